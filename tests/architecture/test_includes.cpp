@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/places.hpp"
+
 // The table of docs/rooms.md against the folders of the tree and their #include lines.
 
 namespace {
@@ -31,7 +33,7 @@ std::set<std::string> rooms_named_in(const std::string& cell) {
 const Rooms& table() {
   static const Rooms rooms = [] {
     Rooms read;
-    std::ifstream file(std::string(RICOCHET_SOURCE) + "/docs/rooms.md");
+    std::ifstream file(ricochet::test::source_folder() + "/docs/rooms.md");
     const std::regex row("^\\| `([a-z_/]+)` \\| [^|]+ \\| ([^|]+) \\| ([^|]+) \\|$");
     for (std::string line; std::getline(file, line);) {
       std::smatch match;
@@ -48,7 +50,7 @@ struct Include {
 
 std::vector<Include> project_includes() {
   std::vector<Include> includes;
-  const fs::path root = RICOCHET_SOURCE;
+  const fs::path root = ricochet::test::source_folder();
   const std::regex line_pattern("^\\s*#\\s*include\\s+\"([^\"]+)\"");
   for (const char* top : {"common", "explicit_solver", "implicit_solver", "coupler"}) {
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
@@ -138,7 +140,7 @@ TEST(Architecture, TheCouplerIncludesNoElements) {
 }
 
 TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
-  std::ifstream file(std::string(RICOCHET_SOURCE) + "/common/participant/participant.hpp");
+  std::ifstream file(ricochet::test::source_folder() + "/common/participant/participant.hpp");
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   ASSERT_FALSE(text.empty());
   EXPECT_EQ(text.find("Eigen/"), std::string::npos);
@@ -147,7 +149,7 @@ TEST(Architecture, ParticipantHeaderNeedsNeitherEigenNorFiniteElements) {
 
 TEST(Architecture, NoFileHasMoreThan350Lines) {
   for (const char* top : {"common", "explicit_solver", "implicit_solver", "coupler"}) {
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(RICOCHET_SOURCE) / top)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(ricochet::test::source_folder()) / top)) {
       const auto extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp") continue;
       std::ifstream file(entry.path());
@@ -159,7 +161,7 @@ TEST(Architecture, NoFileHasMoreThan350Lines) {
 }
 
 TEST(Architecture, TheReadmeMapsEveryFloor) {
-  std::ifstream file(std::string(RICOCHET_SOURCE) + "/README.md");
+  std::ifstream file(ricochet::test::source_folder() + "/README.md");
   const std::regex row("^\\| `([a-z_/]+)` \\| [^|]* \\|$");
   std::set<std::string> mapped;
   for (std::string line; std::getline(file, line);) {
@@ -177,7 +179,7 @@ TEST(Architecture, TopLevelHoldsWhatTheReadmeMaps) {
   const std::set<std::string> expected = {"CMakeLists.txt",  "README.md", "LICENSE", "CHANGELOG.md",
                                           "ricochet",        "docs",      "common",  "explicit_solver",
                                           "implicit_solver", "coupler",   "tests",   "configs"};
-  for (const auto& entry : fs::directory_iterator(RICOCHET_SOURCE)) {
+  for (const auto& entry : fs::directory_iterator(ricochet::test::source_folder())) {
     const std::string name = entry.path().filename().string();
     if (name[0] == '.' || name.rfind("build", 0) == 0 || name == "out") continue;
     EXPECT_TRUE(expected.count(name)) << name << " does not belong to the top level";

@@ -12,6 +12,7 @@
 
 #include "common/base/error.hpp"
 #include "common/wire/codec.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -63,7 +64,7 @@ std::string echo_participants(int nodes) {
     text += fmt::format(
         "[[participant]]\nname = \"{0}_{1}\"\nrole = \"{0}\"\nexecutable = \"{2}/echo_participant\"\n"
         "differing_bodies = [\"steel\", \"carbide\"]\n",
-        role, nodes, RICOCHET_BUILD);
+        role, nodes, test::build_folder());
     if (std::string(role) == "explicit") text += "bodies = [\"steel\", \"carbide\"]\n";
   }
   return text;

@@ -10,13 +10,14 @@
 
 #include "tests/bench/process_run.hpp"
 #include "tests/bench/reference_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 
 Kernels::Kernels(const std::string& folder, const std::vector<int>& refinements, int repeats)
     : refinements_(refinements) {
   const std::string path = folder + "/kernels.json";
-  run_command({std::string(RICOCHET_BUILD) + "/bench_kernels",
+  run_command({test::build_folder() + "/bench_kernels",
                fmt::format("--benchmark_filter=^(triad|multiply_add)|/({})(/real_time)?$", fmt::join(refinements, "|")),
                fmt::format("--benchmark_repetitions={}", repeats), "--benchmark_enable_random_interleaving=true",
                "--benchmark_min_time=0.02", "--benchmark_out_format=json", "--benchmark_out=" + path},

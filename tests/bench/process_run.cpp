@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "common/base/error.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -84,7 +85,7 @@ double resident_b(const std::string& process) {
 }
 
 std::vector<std::string> command_of_run(const std::string& scene, const std::string& out) {
-  return {std::string(RICOCHET_BUILD) + "/ricochet", "run", scene, "--out", out};
+  return {test::build_folder() + "/ricochet", "run", scene, "--out", out};
 }
 
 }  // namespace

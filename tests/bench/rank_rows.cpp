@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tests/bench/rank_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -33,7 +34,7 @@ std::string name_of(bool solid) {
 }  // namespace
 
 void RankRuns::repeat() {
-  if (!std::filesystem::exists(std::string(RICOCHET_BUILD) + "/explicit_solver_mpi")) return;
+  if (!std::filesystem::exists(test::build_folder() + "/explicit_solver_mpi")) return;
   const std::string folder = folder_ + "/ranks";
   std::filesystem::create_directories(folder);
   for (const bool solid : {false, true}) {

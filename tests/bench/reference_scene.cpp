@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/base/write_file.hpp"
 #include "common/scene/variant.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -24,7 +25,7 @@ std::string replaced_everywhere(std::string text, std::string_view from, std::st
 }
 
 std::string config_text() {
-  std::ifstream file(std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml");
+  std::ifstream file(test::source_folder() + "/configs/kim_impact.toml");
   return {std::istreambuf_iterator<char>(file), {}};
 }
 

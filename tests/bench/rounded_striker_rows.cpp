@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/scene/variant.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -31,7 +32,7 @@ SceneRun run_setting(const Setting& setting, const std::string& folder) {
                                             {"output.fields_every", 0.0}};
   if (setting.substeps > 1) overrides.push_back({"coupling.substeps", static_cast<double>(setting.substeps)});
   const std::string scene = folder + "/rounded_striker.toml";
-  scene::write_variant(std::string(RICOCHET_SOURCE) + "/configs/rounded_striker.toml", overrides, scene);
+  scene::write_variant(test::source_folder() + "/configs/rounded_striker.toml", overrides, scene);
   return run_scene(scene, setting.substeps, folder + "/run");
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "tests/bench/reference_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::bench {
 namespace {
@@ -29,7 +30,7 @@ void SetUps::repeat() {
       const auto scene = write_reference_scene(choice, folder + "/scene.toml");
       Times& times = times_[{protocol, refinement}];
       times.check_s.push_back(
-          run_command({std::string(RICOCHET_BUILD) + "/ricochet", "check", scene}, folder + "/check.log").wall_s);
+          run_command({test::build_folder() + "/ricochet", "check", scene}, folder + "/check.log").wall_s);
       times.begin_s.push_back(run_scene(scene, 1, folder + "/run").setup_s);
     }
   }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/bench/table.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -38,7 +39,7 @@ TEST(Table, SaysWhetherALevelIsReached) {
 }
 
 test::Outcome bench(std::vector<std::string> arguments, const test::TemporaryFolder& folder) {
-  arguments.insert(arguments.begin(), {std::string(RICOCHET_BUILD) + "/bench_scenes", "--out", folder.path().string()});
+  arguments.insert(arguments.begin(), {test::build_folder() + "/bench_scenes", "--out", folder.path().string()});
   return test::run_command(arguments, folder.path().string(), 300.0);
 }
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "tests/cluster/hosts.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/same_results.hpp"
 
@@ -106,7 +107,7 @@ TEST_F(Hosts, WhoWasStartedByHandOnTheFarSideOfACutEndsByItself) {
   const auto at = said().find(option) + option.size();
   std::istringstream line(said().substr(at, said().find('\n', at) - at));
   auto words = hosts_->on(1);
-  words.push_back(std::string(RICOCHET_BUILD) + "/implicit_solver");
+  words.push_back(build_folder() + "/implicit_solver");
   for (std::string word; line >> word;) words.push_back(word);
   Process implicit(words, "/dev/null", folder_.path() / "implicit");
   ASSERT_TRUE(wait_for_checkpoint()) << said();

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/two_bars.hpp"
 
 namespace ricochet::test {
@@ -90,7 +91,7 @@ TEST(Advice, IsKeptWhereTheImpulseIsKnownExactly) {
 /// The published impact: all_implicit takes less time in longer windows than the hybrid, and the two agree.
 TEST(Advice, NamesABaselineWhereThatIsCheaper) {
   const TemporaryFolder folder;
-  const std::string scene = std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml";
+  const std::string scene = source_folder() + "/configs/kim_impact.toml";
   const auto outcome = advise(scene, folder, "contact_impulse_n_s", "0.03");
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   const auto best = settings_in(outcome.out, "least time:"), next = settings_in(outcome.out, "next:");
@@ -116,7 +117,7 @@ TEST(Advice, IsOfTheSceneThatSetMakes) {
 
 TEST(Advice, RefusesByName) {
   const TemporaryFolder folder;
-  const std::string bars = folder.write(bars_of(1)), configs = std::string(RICOCHET_SOURCE) + "/configs/";
+  const std::string bars = folder.write(bars_of(1)), configs = source_folder() + "/configs/";
   const auto expect = [&](const Outcome& outcome, const std::string& said, const std::string& too) {
     EXPECT_EQ(outcome.code, 2);
     EXPECT_THAT(outcome.error, AllOf(HasSubstr(said), HasSubstr(too)));

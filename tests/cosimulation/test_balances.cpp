@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
@@ -174,7 +175,7 @@ TEST(PatchTest, LinearDisplacementGivesConstantStressOnTheGmshMesh) {
       "model = \"axisymmetric\"\n[[body]]\nname = \"striker\"\n"
       "material = { youngs_modulus_pa = 200e9, poisson_ratio = 0.3, density_kg_m3 = 7860.0 }\n"
       "mesh = { gmsh = \"" +
-      std::string(RICOCHET_SOURCE) +
+      source_folder() +
       "/configs/striker.msh\" }\n"
       "initial_displacement_m = { start = [0.0, 0.0], end = [0.0, 1e-5] }\n"
       "[time]\nsafety_factor = 0.5\nend_s = 1e-6\n[coupling]\nprotocol = \"all_explicit\"\n[output]\nfields_every = "

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
@@ -114,7 +115,7 @@ TEST(BodiesPicture, HasTheContactPressureOfTheFields) {
 
 TEST(BodiesPicture, OfARunThatFailsShowsItUpToThere) {
   const TemporaryFolder folder;
-  const RunResult run = run_file(std::string(RICOCHET_SOURCE) + "/tests/coupler/report/stopped.toml", folder);
+  const RunResult run = run_file(source_folder() + "/tests/coupler/report/stopped.toml", folder);
   EXPECT_EQ(run.outcome.code, 3);
   EXPECT_EQ(shapes_of(run, "explicit").at("windows").front(), 0);
   EXPECT_GE(shapes_of(run, "implicit").at("windows").size(), 4U);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -90,7 +91,7 @@ TEST(AnotherUnit, IsAskedFor) {
 /// The mesh of a scene, its lengths in millimetres.
 TEST(AnotherUnit, OfAMeshIsAskedFor) {
   const TemporaryFolder folder;
-  std::istringstream metres(file_text(RICOCHET_SOURCE "/configs/striker.msh"));
+  std::istringstream metres(file_text(source_folder() + "/configs/striker.msh"));
   std::ostringstream millimetres;
   bool nodes = false;
   for (std::string line; std::getline(metres, line);) {

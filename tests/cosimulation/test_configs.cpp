@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // Every scene in configs/ runs, keeps its balances and leaves every file it promises.
@@ -9,7 +10,7 @@ namespace {
 
 std::vector<std::string> scenes() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() + "/configs")) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
@@ -20,7 +21,7 @@ class EveryConfig : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryConfig, RunsAndKeepsItsBalances) {
   const TemporaryFolder folder;
-  const RunResult run = run_file(std::string(RICOCHET_SOURCE) + "/configs/" + GetParam() + ".toml", folder);
+  const RunResult run = run_file(source_folder() + "/configs/" + GetParam() + ".toml", folder);
   ASSERT_EQ(run.outcome.code, 0) << run.outcome.error;
   EXPECT_EQ(run.summary.at("status"), run.summary.at("outside_model").empty() ? "done" : "left_model");
   EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 0.04);

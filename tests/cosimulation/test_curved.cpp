@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -30,7 +31,7 @@ std::string scene_with(const std::string& name, const std::string& protocol) {
   std::string text = with_protocol_of_two_steps(config_text(name), protocol);
   const std::string mesh = "gmsh = \"";
   for (std::size_t at = text.find(mesh); at != std::string::npos; at = text.find(mesh, at + mesh.size()))
-    text.insert(at + mesh.size(), RICOCHET_SOURCE "/configs/");
+    text.insert(at + mesh.size(), source_folder() + "/configs/");
   return protocol == "all_explicit" ? replaced(text, "step_s = 5e-8", "safety_factor = 0.9") : text;
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/two_bars.hpp"
 
 namespace ricochet::test {
@@ -89,7 +90,7 @@ TEST(ErrorBars, HaveTheKeysOfTheirPageAndNoOther) {
   const auto run = estimated(
       with_protocol(bars_of(1), "kim") + "[accuracy]\nrelative_error = { contact_impulse_n_s = 0.1 }\n", folder);
   ASSERT_EQ(run.outcome.code, 0) << run.outcome.error;
-  const std::string page = file_text(std::string(RICOCHET_SOURCE) + "/docs/accuracy.md");
+  const std::string page = file_text(source_folder() + "/docs/accuracy.md");
   const std::string table = page.substr(page.find("\n## error_bar\n"));
   const auto& block = run.summary.at("error_bar");
   std::set<std::string> keys;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "tests/support/places.hpp"
 #include "tests/support/plane_grid.hpp"
 #include "tests/support/vtu.hpp"
 
@@ -116,7 +117,7 @@ TEST(Fields, AreReadByVtkAsOneDataSetATimeWithBodiesByName) {
   const RunResult run = run_text(with_key(config_text("two_bars"), "output", "fields_every", "1000"), folder);
   const auto read = [&](int window) {
     const auto file = fmt::format("{}/fields/scene_{:08}.vtm", run.folder, window);
-    const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/cosimulation/print_vtm.py", file},
+    const auto outcome = run_command({"/usr/bin/python3", source_folder() + "/tests/cosimulation/print_vtm.py", file},
                                      folder.path().string(), 60.0);
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     return outcome.out;

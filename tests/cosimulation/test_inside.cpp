@@ -1,6 +1,7 @@
 #include <sched.h>
 #include <unistd.h>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/scene_file.hpp"
@@ -91,7 +92,8 @@ TEST(InsideTheCoupler, IsNobodyWhoWasGivenAProcess) {
   const auto foreign = run_text(short_impact("hughes_liu") +
                                     "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"steel\", "
                                     "\"carbide\"]\n[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n"
-                                    "executable = \"" RICOCHET_BUILD "/implicit_solver\"\n",
+                                    "executable = \"" +
+                                    build_folder() + "/implicit_solver\"\n",
                                 folder);
   EXPECT_EQ(process_of(foreign, "implicit").at("transport"), "shm");
   EXPECT_EQ(process_of(run_text(short_impact("all_implicit"), folder), "implicit").at("transport"), "shm");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
@@ -15,7 +16,7 @@ constexpr double ball_friction = 0.092, ball_radius_m = 0.01;
 
 RunResult oblique_impact(const std::string& protocol, double degrees, const TemporaryFolder& folder) {
   std::string text = with_protocol_of_two_steps(config_text("oblique_ball"), protocol);
-  text = replaced(text, "oblique_ball.msh", RICOCHET_SOURCE "/configs/oblique_ball.msh");
+  text = replaced(text, "oblique_ball.msh", source_folder() + "/configs/oblique_ball.msh");
   text = replaced(text, "[0.8391, 0.0, -1.0]", fmt::format("[{:.17g}, 0.0, -1.0]", std::tan(degrees * M_PI / 180.0)));
   if (protocol == "all_explicit") text = replaced(text, "step_s = 1.8e-7", "safety_factor = 0.9");
   return run_text(with_key(text, "output", "fields_every", "1000000"), folder);  // the last window always

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // What all pages have in common: links lead somewhere, files and functions they name exist.
@@ -16,7 +17,7 @@ namespace ricochet::test {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path root = RICOCHET_SOURCE;
+const fs::path root = source_folder();
 
 /// A heading as the end of a link: lower case, without punctuation, spaces as hyphens.
 std::string anchor(const std::string& heading) {
@@ -81,11 +82,10 @@ TEST(Pages, EveryLinkLeadsSomewhere) {
 
 TEST(Pages, MakeASiteInWhichEveryLinkLeadsSomewhere) {
   const TemporaryFolder folder;
-  const Outcome built =
-      run_command({"/bin/sh", "-c",
-                   "mkdocs build --strict --quiet --config-file " RICOCHET_SOURCE "/.mkdocs.yml --site-dir " +
-                       folder.path().string() + "/site"},
-                  folder.path().string());
+  const Outcome built = run_command({"/bin/sh", "-c",
+                                     "mkdocs build --strict --quiet --config-file " + source_folder() +
+                                         "/.mkdocs.yml --site-dir " + folder.path().string() + "/site"},
+                                    folder.path().string());
   ASSERT_EQ(built.code, 0) << built.out << built.error;
   int links = 0;
   for (const auto& page : pages()) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/plastic_bar_scenes.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/same_results.hpp"
@@ -89,7 +90,7 @@ TEST_P(PlasticBarOfTwoLanguages, MovesAlike) {
   };
   const RunResult ours = run_text(scene_of(with("")), folder, "ours");
   const RunResult theirs =
-      run_text(scene_of(with(fmt::format("executable = \"{}/tests/swap/plastic_bar.py\"\n", RICOCHET_SOURCE))), folder,
+      run_text(scene_of(with(fmt::format("executable = \"{}/tests/swap/plastic_bar.py\"\n", source_folder()))), folder,
                "theirs");
   EXPECT_GT(ours.last("equivalent_plastic_strain_max"), 1e-3);
   std::vector<std::string> names = {"contact_pressure_mean_pa", "plastic_work_j",  "equivalent_plastic_strain_max",

@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "tests/support/dome_mesh.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // What `ricochet check` predicts of the scenes in configs/, beside what runs of them take: a table to read. How fast a
@@ -12,7 +13,7 @@ namespace {
 
 std::vector<std::string> shipped_scenes() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs"))
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() + "/configs"))
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
@@ -95,10 +96,9 @@ std::string domes(bool oblique, const std::string& protocol, const TemporaryFold
          (protocol == "hughes_liu" ? "[partition]\nimplicit_length_m = { lower = 0.0011, upper = 0.0011 }\n" : "");
 }
 
-/// Rows that are written anew are part of the prediction.
+/// Both columns are times of this machine; PredictedCost.CountsRowsThatAreWrittenAnew compares numbers of its work.
 TEST(PredictedCostOfImpacts, StraightAndObliqueBesideWhatIsMeasured) {
   for (const char* protocol : {"all_explicit", "all_implicit", "hughes_liu"}) {
-    double straight_s = 0.0;
     for (const bool oblique : {false, true}) {
       const TemporaryFolder folder;
       const std::string text = domes(oblique, protocol, folder);
@@ -109,10 +109,7 @@ TEST(PredictedCostOfImpacts, StraightAndObliqueBesideWhatIsMeasured) {
                    measured_s = measure(text, folder, "run").stepping_s;
       std::printf("%-14s %-9s %.3g/%.3g s = %.2f\n", protocol, oblique ? "oblique" : "straight", predicted_s,
                   measured_s, predicted_s / measured_s);
-      if (oblique) {
-        EXPECT_GT(predicted_s, 1.1 * straight_s) << protocol;
-      }
-      straight_s = predicted_s;
+      EXPECT_GT(predicted_s, 0.0) << protocol;
     }
   }
 }

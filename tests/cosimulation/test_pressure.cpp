@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // A pressure acts against the outward normal of a surface, and a Gmsh file may measure in another unit than metres.
@@ -80,7 +81,7 @@ protocol = "all_explicit"
 
 TEST(LengthUnit, OfAGmshFileGivesTheRunOfTheSameMeshInMetres) {
   const TemporaryFolder folder;
-  const std::string scene = config_text("striker_gmsh"), mesh = file_text(RICOCHET_SOURCE "/configs/striker.msh");
+  const std::string scene = config_text("striker_gmsh"), mesh = file_text(source_folder() + "/configs/striker.msh");
   std::istringstream metres(mesh);
   std::ostringstream inches;
   bool nodes = false;

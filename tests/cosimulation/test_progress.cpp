@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -11,7 +12,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string python = RICOCHET_SOURCE "/common/participant/python";
+const std::string python = source_folder() + "/common/participant/python";
 
 /// explicit_bar.py, whose `initialize` takes 6 s, in the place of one bar of A1 with a deadline of 3 s.
 std::string slow_bar(const TemporaryFolder& folder, const std::string& says) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // What the README, docs/commands.md and docs/protocols.md promise of the commands, run for real.
@@ -25,10 +26,9 @@ TEST(Readme, HasFewerThanElevenHundredWords) {
 
 TEST(Readme, TheFirstCommandEndsWithTheLinesShown) {
   const TemporaryFolder folder;
-  const Outcome outcome =
-      run_command({ricochet_binary(), "run", std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml", "--out",
-                   (folder.path() / "kim_impact").string()},
-                  folder.path().string());
+  const Outcome outcome = run_command({ricochet_binary(), "run", source_folder() + "/configs/kim_impact.toml", "--out",
+                                       (folder.path() / "kim_impact").string()},
+                                      folder.path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   // Numbers of the mechanics to the letter; wall time and folder are the machine's.
   std::smatch block;
@@ -87,7 +87,7 @@ TEST(Commands, AreTheSameInTheTableInTheHelpAndInTheScript) {
   const auto begin = help.find("Subcommands:");
   ASSERT_NE(begin, std::string::npos) << help;
   EXPECT_EQ(all(help.substr(begin, help.find("\n\n", begin) - begin), "\n  ([a-z-]+) "), of_table);
-  EXPECT_EQ(all(file_text(RICOCHET_SOURCE "/ricochet"), "\"\\$\\{1:-\\}\" = ([a-z-]+) \\]"), of_script_in_table);
+  EXPECT_EQ(all(file_text(source_folder() + "/ricochet"), "\"\\$\\{1:-\\}\" = ([a-z-]+) \\]"), of_script_in_table);
   EXPECT_EQ(all(help, "(--[a-z-]+)"), all(page_text("docs/commands.md"), "`ricochet (--[a-z-]+)`"));
 }
 

@@ -2,6 +2,7 @@
 // The peak force, up to its time, against a run of the whole structure by the trapezoidal rule with short steps.
 #include <gmock/gmock.h>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -17,7 +18,7 @@ std::string scene_text(const Method& method) {
   std::string text = with_protocol(config_text("rounded_striker"), method.protocol);
   const std::string mesh = "gmsh = \"";
   for (std::size_t at = text.find(mesh); at != std::string::npos; at = text.find(mesh, at + mesh.size()))
-    text.insert(at + mesh.size(), std::string(RICOCHET_SOURCE) + "/configs/");
+    text.insert(at + mesh.size(), source_folder() + "/configs/");
   text = with_key(text, "time", "step_s", method.step_s);
   text = with_key(text, "time", "end_s", "26e-6");
   text = with_key(text, "output", "fields_every", "0");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -42,7 +43,7 @@ Outcome script(const TemporaryFolder& folder, const std::string& arguments, int 
   }
   return run_command({"/bin/sh", "-c",
                       "PATH=" + folder.path().string() + ":$PATH RICOCHET_BUILD_DIR=" + folder.path().string() +
-                          "/build " RICOCHET_SOURCE "/ricochet test " + arguments},
+                          "/build " + source_folder() + "/ricochet test " + arguments},
                      folder.path().string());
 }
 
@@ -82,8 +83,9 @@ TEST(Script, NeitherInstallsNorBuildsIfThatIsNotWanted) {
   const std::string build = folder.path().string() + "/build";
   std::filesystem::create_directory(build);
   const auto run = [&](const std::string& arguments) {
-    return run_command({"/bin/sh", "-c", "RICOCHET_BUILD_DIR=" + build + " " RICOCHET_SOURCE "/ricochet " + arguments},
-                       folder.path().string());
+    return run_command(
+        {"/bin/sh", "-c", "RICOCHET_BUILD_DIR=" + build + " " + source_folder() + "/ricochet " + arguments},
+        folder.path().string());
   };
   const Outcome missing = run("run --no-build scene.toml");
   EXPECT_EQ(missing.code, 4);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_results.hpp"
@@ -49,7 +50,7 @@ std::vector<Row> rows_of(const std::string& folder) {
 }
 
 std::string study_text(const std::string& rest) {
-  return "scene = \"" + std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml\"\n" + rest;
+  return "scene = \"" + source_folder() + "/configs/two_bars.toml\"\n" + rest;
 }
 
 std::string run_id(const std::string& folder, const Row& row, int repeat) {
@@ -343,7 +344,7 @@ refine = { time.step_s = 2.7825e-7 }
 /// (m V^2/(2 Y R^3))^(-1/8) (Contact Mechanics, 1985, 11.4), by a mean pressure of 3 Y; it falls with V^(-1/4).
 TEST(Study, RestitutionFallsWithTheFourthRootOfTheVelocity) {
   const TemporaryFolder folder;
-  const auto [outcome, out, rows] = computed("scene = \"" + std::string(RICOCHET_SOURCE) + R"(/configs/rebound.toml"
+  const auto [outcome, out, rows] = computed("scene = \"" + source_folder() + R"(/configs/rebound.toml"
 methods = ["all_explicit"]
 quantities = ["energy_drift"]
 values = ["restitution", "peak_contact_force_n"]
@@ -502,9 +503,9 @@ TEST(Study, RefusesAWrongFileAndOneOfWhichNothingCanRun) {
 
 TEST(Study, TheShippedOnesAreReportedInTheDocs) {
   int studies = 0;
-  for (const auto& entry : fs::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs/studies")) {
+  for (const auto& entry : fs::directory_iterator(source_folder() + "/configs/studies")) {
     ++studies;
-    const std::string page = file_text(std::string(RICOCHET_SOURCE) + "/docs/studies.md");
+    const std::string page = file_text(source_folder() + "/docs/studies.md");
     EXPECT_THAT(page, HasSubstr("ricochet study configs/studies/" + entry.path().filename().string()));
   }
   EXPECT_GE(studies, 2);

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // docs/tutorial.md, every step of it, in a folder that looks like the root of the repository. Its fenced blocks are
@@ -83,7 +84,7 @@ TEST(Tutorial, EveryStepPrintsWhatThePageShows) {
   const TemporaryFolder folder;
   fs::create_symlink(ricochet_binary(), folder.path() / "ricochet");
   for (const char* name : {"configs", "common"}) {
-    fs::create_symlink(std::string(RICOCHET_SOURCE) + "/" + name, folder.path() / name);
+    fs::create_symlink(source_folder() + "/" + name, folder.path() / name);
   }
   const auto blocks = blocks_of(page_text("docs/tutorial.md"));
   ASSERT_GT(blocks.size(), 10U);

@@ -4,6 +4,7 @@
 
 #include <regex>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -19,8 +20,8 @@ std::smatch answered(const std::string& out) {
 }
 
 Outcome try_cases(const TemporaryFolder& folder, const std::vector<std::string>& more) {
-  std::vector<std::string> command{"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/accuracy_cases.py",
-                                   "--build",          RICOCHET_BUILD,
+  std::vector<std::string> command{"/usr/bin/python3", source_folder() + "/tests/experiments/accuracy_cases.py",
+                                   "--build",          build_folder(),
                                    "--only",           "two_bars 40 contact_impulse"};
   command.insert(command.end(), more.begin(), more.end());
   return run_command(command, folder.path().string(), 120.0);
@@ -45,8 +46,8 @@ TEST(AccuracyCases, AreAllAnsweredWhereFinerMeshesMayBeTaken) {
 
 TEST(AccuracyCases, HaveBarsThatHold) {
   const TemporaryFolder folder;
-  const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/error_bars.py", "--build",
-                                    RICOCHET_BUILD, "--only", "unequal_bars, to 100", "--elements", "40", "80"},
+  const auto outcome = run_command({"/usr/bin/python3", source_folder() + "/tests/experiments/error_bars.py", "--build",
+                                    build_folder(), "--only", "unequal_bars, to 100", "--elements", "40", "80"},
                                    folder.path().string(), 120.0);
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::smatch found;

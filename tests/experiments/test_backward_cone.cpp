@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -10,9 +11,9 @@ namespace {
 
 TEST(BackwardCone, SavesWhatThePageSays) {
   const TemporaryFolder folder;
-  std::vector<std::string> command = {"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/backward_cone.py"};
+  std::vector<std::string> command = {"/usr/bin/python3", source_folder() + "/tests/experiments/backward_cone.py"};
   for (const char* name : {"kim_impact", "tile_on_backing", "unequal_bars"})
-    command.push_back(std::string(RICOCHET_SOURCE "/configs/") + name + ".toml");
+    command.push_back(source_folder() + "/configs/" + name + ".toml");
   const auto outcome = run_command(command, folder.path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   for (const char* line :

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 TEST(BothContinuities, GrowWithFourSubstepsAndMore) {
   const TemporaryFolder folder;
-  const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/both_continuities.py"},
+  const auto outcome = run_command({"/usr/bin/python3", source_folder() + "/tests/experiments/both_continuities.py"},
                                    folder.path().string());
   ASSERT_EQ(outcome.code, 0) << outcome.error;
   std::istringstream lines(outcome.out);

@@ -5,6 +5,7 @@
 
 #include <regex>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -13,8 +14,8 @@ namespace {
 
 void expect_none_wrong(const std::string& program, int seed, int count, int runs) {
   const TemporaryFolder folder;
-  const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/" + program, "--build",
-                                    RICOCHET_BUILD, "--seed", std::to_string(seed), "--count", std::to_string(count)},
+  const auto outcome = run_command({"/usr/bin/python3", source_folder() + "/tests/experiments/" + program, "--build",
+                                    build_folder(), "--seed", std::to_string(seed), "--count", std::to_string(count)},
                                    folder.path().string(), 300.0);
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.error;
   std::smatch found;

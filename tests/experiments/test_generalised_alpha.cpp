@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -40,7 +41,7 @@ class GeneralisedAlpha : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const TemporaryFolder folder;
-    const auto outcome = run_command({"/usr/bin/python3", RICOCHET_SOURCE "/tests/experiments/generalised_alpha.py"},
+    const auto outcome = run_command({"/usr/bin/python3", source_folder() + "/tests/experiments/generalised_alpha.py"},
                                      folder.path().string());
     ASSERT_EQ(outcome.code, 0) << outcome.error;
     printed() = rows_of(outcome.out);
@@ -52,7 +53,7 @@ class GeneralisedAlpha : public testing::Test {
 };
 
 TEST_F(GeneralisedAlpha, PrintsTheRowsOfThePage) {
-  const auto page = rows_of(file_text(RICOCHET_SOURCE "/docs/contact_laws.md"));
+  const auto page = rows_of(file_text(source_folder() + "/docs/contact_laws.md"));
   EXPECT_GE(page.size(), 8U);
   for (const auto& [name, row] : page) {
     ASSERT_EQ(printed().count(name), 1U) << name;

@@ -3,12 +3,13 @@
 
 #include "common/base/error.hpp"
 #include "explicit_solver/explicit_solver.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::explicit_solver {
 namespace {
 
 scene::Problem problem(const std::string& config) {
-  return scene::build_problem(scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml"));
+  return scene::build_problem(scene::load_scene(test::source_folder() + "/configs/" + config + ".toml"));
 }
 
 participant::Setup setup_of(const scene::Problem& p, const participant::Description& description) {

@@ -2,6 +2,7 @@
 
 #include "explicit_solver/explicit_solver.hpp"
 #include "explicit_solver/subcycled_window.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::explicit_solver {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 /// The explicit parts of kim_impact (axis and interface meet: some shared dofs are held), or with gravity a loaded one.
 struct Parts {
   explicit Parts(bool loaded = false) {
-    auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/kim_impact.toml");
+    auto scene = scene::load_scene(test::source_folder() + "/configs/kim_impact.toml");
     for (auto& body : scene.bodies)
       body.gravity_m_s2 = loaded ? std::vector<double>{0.0, 1e6} : std::vector<double>{0.0, 0.0};
     problem = scene::build_problem(scene);

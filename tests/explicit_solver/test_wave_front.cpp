@@ -8,6 +8,7 @@
 #include "explicit_solver/explicit_solver.hpp"
 #include "explicit_solver/wave_front.hpp"
 #include "tests/support/all_rows.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::explicit_solver {
@@ -15,7 +16,7 @@ namespace {
 
 std::string config_text(const std::string& name) {
   std::stringstream text;
-  text << std::ifstream(std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml").rdbuf();
+  text << std::ifstream(test::source_folder() + "/configs/" + name + ".toml").rdbuf();
   return text.str();
 }
 
@@ -23,7 +24,7 @@ const std::string all_explicit = "[coupling]\nprotocol = \"all_explicit\"\n";
 
 scene::Problem problem_of(const std::string& text) {
   const test::TemporaryFolder folder;
-  const std::string configs = std::string(RICOCHET_SOURCE) + "/configs/";
+  const std::string configs = test::source_folder() + "/configs/";
   std::string absolute = text;
   if (const auto at = absolute.find("gmsh = \""); at != std::string::npos) {
     for (std::size_t next = at; next != std::string::npos; next = absolute.find("gmsh = \"", next + 8 + configs.size()))

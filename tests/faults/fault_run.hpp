@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/run.hpp"
@@ -50,7 +51,7 @@ inline std::vector<std::string> lines_of(const std::string& path) {
   return lines;
 }
 
-inline std::string program(const std::string& name) { return std::string(RICOCHET_BUILD) + "/" + name; }
+inline std::string program(const std::string& name) { return build_folder() + "/" + name; }
 
 /// `ricochet run` in the background, into `folder`/out, with a scene file no other process of this machine knows.
 class FaultRun {

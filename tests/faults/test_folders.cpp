@@ -9,6 +9,7 @@
 #include <random>
 
 #include "tests/faults/fault_run.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
@@ -303,7 +304,7 @@ TEST(RequestsBeforeTheRun, DoNotEndTheCommandThatStartsIt) {
   const auto scene = folder.write(bars(few_windows)), out = (folder.path() / "out").string();
   const auto outcome = run_command({"/usr/bin/env", "PATH=" + folder.path().string() + ":/usr/bin:/bin",
                                     "RICOCHET_BUILD_DIR=" + (folder.path() / "build").string(),
-                                    RICOCHET_SOURCE "/ricochet", "run", scene, "--out", out},
+                                    source_folder() + "/ricochet", "run", scene, "--out", out},
                                    folder.path().string());
   EXPECT_EQ(outcome.code, 0) << outcome.error;
   EXPECT_TRUE(fs::exists(out + "/summary.json"));

@@ -3,12 +3,13 @@
 
 #include "common/base/error.hpp"
 #include "implicit_solver/implicit_solver.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::implicit_solver {
 namespace {
 
 scene::Problem baseline(const std::string& config, scene::MultiplierUpdate update) {
-  auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+  auto scene = scene::load_scene(test::source_folder() + "/configs/" + config + ".toml");
   scene.coupling.protocol = scene::protocol_traits("all_implicit");
   scene.contacts.front().multiplier_update = update;
   scene.participants = {{"implicit", scene::Role::implicit_solver, {}, "", scene::Start::launch, {}}};
@@ -120,7 +121,7 @@ TEST(ImplicitSolver, ClosedPairsMoveTogetherAndNeverPenetrate) {
 }
 
 TEST(ImplicitSolver, RefusesTheRoleOfTheOther) {
-  const auto problem = scene::build_problem(scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml"));
+  const auto problem = scene::build_problem(scene::load_scene(test::source_folder() + "/configs/two_bars.toml"));
   EXPECT_THROW(ImplicitSolver(problem, "explicit"), ConfigError);
 }
 

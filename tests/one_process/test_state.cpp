@@ -6,6 +6,7 @@
 #include "common/scene/protocols.hpp"
 #include "explicit_solver/explicit_solver.hpp"
 #include "implicit_solver/implicit_solver.hpp"
+#include "tests/support/places.hpp"
 
 // A solver's State is all that its next windows are computed from: put back, they come out to the same bits, whatever
 // was tried, accepted or prepared in between.
@@ -18,7 +19,7 @@ template <class Solver>
 struct Alone {
   static scene::Problem problem_of(const std::string& config, const std::string& protocol,
                                    scene::MultiplierUpdate law) {
-    auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+    auto scene = scene::load_scene(test::source_folder() + "/configs/" + config + ".toml");
     scene.coupling.protocol = scene::protocol_traits(protocol);
     scene.contacts.front().multiplier_update = law;
     const auto role = protocol == "all_implicit" ? scene::Role::implicit_solver : scene::Role::explicit_solver;
@@ -84,7 +85,7 @@ TEST(State, PutBackGivesTheSameBits) {
 
 // Driven by force, in substeps, by a force that changes from trial to trial.
 TEST(State, OfSubstepsPutBackGivesTheSameBits) {
-  auto scene = scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml");
+  auto scene = scene::load_scene(test::source_folder() + "/configs/two_bars.toml");
   scene.coupling.protocol = scene::protocol_traits("prakash_hjelmstad");
   const auto problem = scene::build_problem(scene);
   explicit_solver::ExplicitSolver solver(problem, "explicit");

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "tests/support/page.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 // docs/limits.md: every setting with an edge stands on tests that exist.
@@ -13,7 +14,7 @@ namespace {
 TEST(LimitsPage, NamesTestsThatExistUnderEveryNumber) {
   const std::set<std::string> tests = all_tests();
   EXPECT_GT(tests.size(), 200U);
-  std::istringstream page(file_text(std::string(RICOCHET_SOURCE) + "/docs/limits.md"));
+  std::istringstream page(file_text(source_folder() + "/docs/limits.md"));
   const std::regex name("`([A-Z]\\w+\\.\\w+)`");
   std::map<int, int> named;  // tests under each number
   int last = 0;

@@ -5,6 +5,7 @@
 #include <map>
 #include <regex>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -220,7 +221,7 @@ TEST(GravouilCombescure, IsStableOpenAndGrowsWithSubstepsWhileTheContactSticks) 
 
 TEST(KimPredicted, IsUnstableBelowTheLimitOfTheOthersAndSaidSo) {
   TemporaryFolder folder;
-  const auto result = study(std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml", folder,
+  const auto result = study(source_folder() + "/configs/two_bars.toml", folder,
                             {"--sweep", "courant=0.14,0.5,0.9", "--against", "coupling.protocol=kim,kim_predicted"});
   ASSERT_EQ(result.outcome.code, 0) << result.outcome.error;
   ASSERT_EQ(result.rows.size(), 12U);
@@ -314,7 +315,7 @@ TEST(AxisymmetricImpact, OfTenThousandUnknownsIsMeasuredByIteration) {
 
 /// explicit_bar.py with the two functions that `stability` needs.
 std::string loadable_bar(const TemporaryFolder& folder) {
-  const std::string python = RICOCHET_SOURCE "/common/participant/python";
+  const std::string python = source_folder() + "/common/participant/python";
   auto text = file_text(python + "/explicit_bar.py");
   text = replaced(text, "import numpy", "import sys; sys.path.insert(0, \"" + python + "\")\nimport numpy");
   text = replaced(text, "Description(self.name,", "Description(capabilities=[\"load_state\"], name=self.name,");
@@ -391,7 +392,8 @@ TEST(AParticipantThatLoadsNothing, IsNotCalledStable) {
   TemporaryFolder folder;
   const auto text = bars("hughes_liu") +
                     "[[participant]]\nname = \"loads_nothing\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"
-                    "executable = \"" RICOCHET_BUILD
+                    "executable = \"" +
+                    build_folder() +
                     "/wrong_participant\"\n"
                     "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
   const auto result = study(folder.write(text), folder, {"--sweep", "courant=0.5,0.9"});
@@ -405,7 +407,8 @@ TEST(AParticipantThatLoadsNothing, IsNotCalledStable) {
 TEST(StabilityRefuses, AParticipantThatCannotLoadAState) {
   const std::string participants =
       "[[participant]]\nname = \"spring\"\nrole = \"explicit\"\nbodies = [\"soft\"]\n"
-      "executable = \"" RICOCHET_BUILD
+      "executable = \"" +
+      build_folder() +
       "/spring_mass\"\n"
       "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n";
   EXPECT_THAT(refused({}, bars("hughes_liu") + participants),

@@ -4,24 +4,25 @@
 #include <regex>
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process.hpp"
 
 namespace ricochet::test {
 
 std::vector<std::string> pages() {
   std::vector<std::string> names = {"README.md", "CHANGELOG.md"};
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/docs")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() + "/docs")) {
     if (entry.path().extension() == ".md") names.push_back(std::filesystem::path("docs") / entry.path().filename());
   }
   return names;
 }
 
-std::string page_text(const std::string& name) { return file_text(std::filesystem::path(RICOCHET_SOURCE) / name); }
+std::string page_text(const std::string& name) { return file_text(std::filesystem::path(source_folder()) / name); }
 
 std::set<std::string> all_tests() {
   std::set<std::string> names;
   const std::regex test("TEST(?:_P|_F)?\\((\\w+), (\\w+)\\)");
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(RICOCHET_SOURCE) + "/tests")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(source_folder() + "/tests")) {
     if (entry.path().extension() != ".cpp") continue;
     const std::string text = file_text(entry.path().string());
     for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "tests/support/places.hpp"
+
 template class nlohmann::basic_json<>;
 
 namespace ricochet::test {
@@ -73,7 +75,7 @@ double RunResult::largest(const std::string& name) const {
   return *std::max_element(values.begin(), values.end());
 }
 
-std::string ricochet_binary() { return std::string(RICOCHET_BUILD) + "/ricochet"; }
+std::string ricochet_binary() { return build_folder() + "/ricochet"; }
 
 RunResult run_file(const std::string& scene, const TemporaryFolder& folder, const std::string& out, double timeout_s) {
   RunResult run;
@@ -92,7 +94,7 @@ RunResult run_text(const std::string& text, const TemporaryFolder& folder, const
 }
 
 std::string config_text(const std::string& name) {
-  const std::string text = file_text(std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml");
+  const std::string text = file_text(source_folder() + "/configs/" + name + ".toml");
   if (text.empty()) throw std::runtime_error("no configs/" + name + ".toml");
   return text;
 }
@@ -100,7 +102,7 @@ std::string config_text(const std::string& name) {
 std::string with_absolute_meshes(std::string text) {
   const std::string key = "gmsh = \"";
   for (auto at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
-    text.insert(at + key.size(), std::string(RICOCHET_SOURCE) + "/configs/");
+    text.insert(at + key.size(), source_folder() + "/configs/");
   return text;
 }
 

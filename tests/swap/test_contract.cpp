@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/process_table.hpp"
 #include "tests/support/run.hpp"
 
@@ -37,8 +38,8 @@ void expect_sound(const Outcome& outcome) {
   EXPECT_GE(clauses(outcome, "passed").size(), 8U) << outcome.out;
 }
 
-std::string program(const std::string& name) { return std::string(RICOCHET_BUILD) + "/" + name; }
-std::string config(const std::string& name) { return fmt::format("{}/configs/{}.toml", RICOCHET_SOURCE, name); }
+std::string program(const std::string& name) { return build_folder() + "/" + name; }
+std::string config(const std::string& name) { return fmt::format("{}/configs/{}.toml", source_folder(), name); }
 
 struct Sound {
   const char *name, *solver, *scene, *participant;
@@ -79,7 +80,7 @@ TEST(Contract, IsKeptByThePythonBar) {
   const auto scene = folder.write(config_text("two_bars") +
                                   "[[participant]]\nname = \"of_left\"\nrole = \"explicit\"\nbodies = [\"left\"]\n");
   expect_sound(check(
-      folder, {RICOCHET_SOURCE "/common/participant/python/explicit_bar.py", "--scene", scene, "--name", "of_left"}));
+      folder, {source_folder() + "/common/participant/python/explicit_bar.py", "--scene", scene, "--name", "of_left"}));
 }
 
 struct Flaw {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/support/cubic_bars.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_results.hpp"
 
@@ -39,7 +40,7 @@ double quarter_period_s(double swinging_kg, int springs, int cubic) {
 double quarter_period_s() { return quarter_period_s(mass_kg, 1, 1); }
 
 std::string cubic_program(const std::string& bodies) {
-  return fmt::format("executable = \"{}/cubic_participant\"\ndiffering_bodies = {}\n", RICOCHET_BUILD, bodies);
+  return fmt::format("executable = \"{}/cubic_participant\"\ndiffering_bodies = {}\n", build_folder(), bodies);
 }
 
 std::string scene_with(const std::string& protocol, int windows, const std::string& more = "") {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-const std::string foreign_program = RICOCHET_SOURCE "/tests/swap/foreign_body.py";
+const std::string foreign_program = source_folder() + "/tests/swap/foreign_body.py";
 const std::string foreign_material = "{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }";
 
 /// What a model says of a body 0.02 m across; `size`, `elements`: across, of the foreign program.
@@ -399,7 +400,7 @@ std::string scene_of_a_stiffening_tail(const TemporaryFolder& folder, const std:
   auto text = file_text(foreign_program);
   text =
       replaced(text, "os.path.join(os.path.dirname(os.path.realpath(__file__)), \"../../common/participant/python\")",
-               "\"" RICOCHET_SOURCE "/common/participant/python\"");
+               "\"" + source_folder() + "/common/participant/python\"");
   text = replaced(text, "            s[\"internal\"] = self.k @ s[\"u\"]\n",
                   "            s[\"internal\"] = self.k @ s[\"u\"]\n            n = 8.4e13 * np.diff(s[\"u\"])**2\n"
                   "            s[\"internal\"][:-1] -= n\n            s[\"internal\"][1:] += n\n");
@@ -454,20 +455,19 @@ TEST(ForeignBody, StandsInASceneThatParticipantsInPythonRead) {
   (void)folder.write("-0.04\n", "nodes.csv");
   const auto text = joined_scene(bar_model, "hughes_liu", 1, "interface_nodes = \"nodes.csv\"");
   const auto ours = run_text(text, folder, "ours");
-  const auto python = run_text(
-      replaced(text, "bodies = [\"upper\"]",
-               "bodies = [\"upper\"]\nexecutable = \"" RICOCHET_SOURCE "/common/participant/python/explicit_bar.py\""),
-      folder, "python");
+  const auto python = run_text(replaced(text, "bodies = [\"upper\"]",
+                                        "bodies = [\"upper\"]\nexecutable = \"" + source_folder() +
+                                            "/common/participant/python/explicit_bar.py\""),
+                               folder, "python");
   expect_same_history(python, ours, 1e-11);
 }
 
 TEST(ForeignBody, WritesNoFileOfSeveralBodies) {
   TemporaryFolder folder;
-  const auto outcome =
-      run_command({ricochet_binary(), "check-participant", "--interface-nodes", (folder.path() / "nodes.csv").string(),
-                   "--", std::string(RICOCHET_BUILD) + "/implicit_solver", "--scene",
-                   RICOCHET_SOURCE "/configs/two_bars.toml", "--name", "implicit"},
-                  folder.path().string());
+  const auto outcome = run_command({ricochet_binary(), "check-participant", "--interface-nodes",
+                                    (folder.path() / "nodes.csv").string(), "--", build_folder() + "/implicit_solver",
+                                    "--scene", source_folder() + "/configs/two_bars.toml", "--name", "implicit"},
+                                   folder.path().string());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.error,
               HasSubstr("--interface-nodes: found interface nodes of several bodies of 'implicit', allowed: "

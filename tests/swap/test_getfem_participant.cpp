@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_results.hpp"
 
 namespace ricochet::test {
 namespace {
 
-const std::string getfem = RICOCHET_SOURCE "/common/participant/python/getfem_impact.py";
+const std::string getfem = source_folder() + "/common/participant/python/getfem_impact.py";
 
 /// The first 200 windows of the paper's impact without friction; `executable` for the implicit side, empty for ours.
 std::string short_impact(const std::string& protocol, const std::string& executable) {
@@ -103,7 +104,7 @@ class Doubting(getfem_impact.Impact):
 getfem.util_trace_level(0)
 main(Doubting)
 )",
-                                             RICOCHET_SOURCE),
+                                             source_folder()),
                                  "doubting.py");
   std::filesystem::permissions(path, std::filesystem::perms::owner_all);
   return path;

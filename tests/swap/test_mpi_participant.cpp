@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
 
@@ -24,9 +25,9 @@ std::string bars_by_several(const std::string& program) {
 
 TEST(MpiParticipant, TakesPartByItsFirstProcess) {
   TemporaryFolder folder;
-  const auto program = folder.write("#!/bin/sh\n[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] && exec " RICOCHET_BUILD
-                                    "/wrong_participant \"$@\"\nexit 0\n",
-                                    "first_alone.sh");
+  const auto program = folder.write(
+      "#!/bin/sh\n[ \"$OMPI_COMM_WORLD_RANK\" = 0 ] && exec " + build_folder() + "/wrong_participant \"$@\"\nexit 0\n",
+      "first_alone.sh");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   const auto run = run_text(bars_by_several(program), folder, "mpi");
   const auto ours = run_text(config_text("two_bars"), folder, "ours");
@@ -35,8 +36,8 @@ TEST(MpiParticipant, TakesPartByItsFirstProcess) {
 
 TEST(MpiParticipant, IsRefusedAtOnceIfEveryProcessWantsToTakePart) {
   TemporaryFolder folder;
-  const std::string python = RICOCHET_SOURCE "/common/participant/python/explicit_bar.py";
-  for (const auto& program : {std::string(RICOCHET_BUILD "/wrong_participant"), python}) {
+  const std::string python = source_folder() + "/common/participant/python/explicit_bar.py";
+  for (const auto& program : {build_folder() + "/wrong_participant", python}) {
     const auto run = run_file(folder.write(bars_by_several(program)), folder, "out", 30.0);
     EXPECT_NE(run.outcome.code, 0);
     EXPECT_THAT(run.outcome.error + file_text(run.folder + "/logs/right.log"),

@@ -8,13 +8,14 @@
 #include "common/base/error.hpp"
 #include "common/participant/own_loop.hpp"
 #include "tests/common/participant/scripted_coupler.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/private_endpoint.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
 namespace {
 
-std::string program(const std::string& name) { return std::string(RICOCHET_BUILD) + "/" + name; }
+std::string program(const std::string& name) { return build_folder() + "/" + name; }
 
 std::string two_bars(const std::string& protocol, const std::string& executable) {
   return with_protocol(config_text("two_bars"), protocol) +
@@ -57,7 +58,7 @@ TEST(OwnLoop, KeepsTheContract) {
 }
 
 TEST(OwnLoop, ExampleIsUnderEightyLines) {
-  const std::string text = file_text(RICOCHET_SOURCE "/tests/support/own_loop_spring.cpp");
+  const std::string text = file_text(source_folder() + "/tests/support/own_loop_spring.cpp");
   EXPECT_GT(text.size(), 0U);
   EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 80);
 }

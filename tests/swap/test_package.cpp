@@ -7,6 +7,7 @@
 #include <regex>
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
 
@@ -14,7 +15,7 @@ namespace ricochet::test {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string project = RICOCHET_SOURCE "/tests/support/spring_mass_project";
+const std::string project = source_folder() + "/tests/support/spring_mass_project";
 
 #ifdef __SANITIZE_ADDRESS__
 constexpr const char* sanitizers = "-fsanitize=address,undefined";  // as in the libraries that are installed
@@ -29,7 +30,7 @@ struct Package {
   std::string program = build + "/spring_mass";
 
   Package() {
-    run({"cmake", "--install", RICOCHET_BUILD, "--prefix", prefix, "--component", "sdk"});
+    run({"cmake", "--install", build_folder(), "--prefix", prefix, "--component", "sdk"});
     run({"cmake", "-S", project, "-B", build, "-G", "Ninja", "-DCMAKE_PREFIX_PATH=" + prefix,
          fmt::format("-DCMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror {}", sanitizers)});
     run({"cmake", "--build", build});
@@ -130,7 +131,7 @@ void fortran_participant_takes_part_in_runs(const Package& package) {
                                          "-o",
                                          bar,
                                          include + "/ricochet.f90",
-                                         RICOCHET_SOURCE "/common/participant/c/explicit_bar.f90"};
+                                         source_folder() + "/common/participant/c/explicit_bar.f90"};
   package.run(linked(package, command));
   for (const auto& [protocol, substeps] : {std::pair{"kim", 1}, {"belytschko_mullen", 1}, {"prakash_hjelmstad", 3}}) {
     TemporaryFolder folder;

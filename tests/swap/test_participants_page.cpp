@@ -8,13 +8,14 @@
 #include <sstream>
 
 #include "common/scene/protocols.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string root = RICOCHET_SOURCE "/";
+const std::string root = source_folder() + "/";
 const std::string python = root + "common/participant/python/";
 
 std::string page() { return file_text(root + "docs/participants.md"); }
@@ -51,7 +52,7 @@ TEST(ParticipantsPage, ShowsCodeOfTheExamples) {
 TEST(ParticipantsPage, ShowsASceneEntryThatRuns) {
   ASSERT_EQ(blocks("toml").size(), 2U);
   TemporaryFolder folder;
-  fs::copy_file(std::string(RICOCHET_BUILD) + "/spring_mass", folder.path() / "spring_mass");
+  fs::copy_file(build_folder() + "/spring_mass", folder.path() / "spring_mass");
   run_text(config_text("two_bars") + "\n" + blocks("toml")[0] +
                "[[participant]]\nname = \"explicit\"\nrole = \"explicit\"\nbodies = [\"right\"]\n"
                "[[participant]]\nname = \"implicit\"\nrole = \"implicit\"\n",
@@ -81,9 +82,9 @@ TEST(ParticipantsPage, ShowsAForeignBodyThatRuns) {
 
 TEST(ParticipantsPage, ListsTheClausesOfTheContract) {
   TemporaryFolder folder;
-  const auto outcome = run_command(
-      {ricochet_binary(), "check-participant", "--", std::string(RICOCHET_BUILD) + "/spring_mass", "--name", "spring"},
-      folder.path().string());
+  const auto outcome =
+      run_command({ricochet_binary(), "check-participant", "--", build_folder() + "/spring_mass", "--name", "spring"},
+                  folder.path().string());
   std::string text = page(), clauses = "| clause | what is done |\n|---|---|\n";
   std::istringstream lines(outcome.out);
   std::vector<std::string> tested, listed;

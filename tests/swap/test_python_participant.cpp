@@ -8,6 +8,7 @@
 
 #include "common/base/parallel.hpp"
 #include "common/wire/lifecycle.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
 #include "tests/support/same_results.hpp"
@@ -15,7 +16,7 @@
 namespace ricochet::test {
 namespace {
 
-const std::string python_folder = RICOCHET_SOURCE "/common/participant/python";
+const std::string python_folder = source_folder() + "/common/participant/python";
 
 /// A1 with one explicit participant a body; `executable`: what computes them, empty for ours.
 std::string two_bars(const std::string& protocol, const std::string& executable) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 #include "tests/support/same_history.hpp"
 #include "tests/support/same_results.hpp"
@@ -13,7 +14,7 @@
 namespace ricochet::test {
 namespace {
 
-const std::string sfepy_folder = RICOCHET_SOURCE "/common/participant/python/";
+const std::string sfepy_folder = source_folder() + "/common/participant/python/";
 const std::string sfepy_body = sfepy_folder + "sfepy_body.py", sfepy_integrator = sfepy_folder + "sfepy_integrator.py";
 
 /// configs/striker_gmsh.toml for some time, each body's explicit elements by a program; empty for ours.

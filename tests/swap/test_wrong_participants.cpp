@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -16,7 +17,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-std::string wrong_program() { return RICOCHET_BUILD "/wrong_participant"; }
+std::string wrong_program() { return build_folder() + "/wrong_participant"; }
 
 std::string participants_of(const std::string& bodies, const std::string& flaw, const std::string& keys) {
   return fmt::format(
@@ -215,7 +216,7 @@ INSTANTIATE_TEST_SUITE_P(
 /// A body in Python whose modulus is lower by 30 % from 20 mm behind its interface on.
 TEST(WrongParticipant, IsFoundOutWhereAWaveHasToGoFirst) {
   TemporaryFolder folder;
-  const std::string python = RICOCHET_SOURCE "/common/participant/python";
+  const std::string python = source_folder() + "/common/participant/python";
   auto text = file_text(python + "/explicit_bar.py");
   text = replaced(text, "import numpy", "import sys; sys.path.insert(0, \"" + python + "\")\nimport numpy");
   text = replaced(
@@ -430,7 +431,7 @@ TEST(BesideTheShippedSolver, WhatIsAnotherBodyIsSaid) {
   TemporaryFolder folder;
   const auto check = [&](const std::string& scene, const std::string& name) {
     return run_command({ricochet_binary(), "check-participant", "--scene", folder.write(scene), "--name", name, "--",
-                        RICOCHET_BUILD "/flawed_participant", "sound"},
+                        build_folder() + "/flawed_participant", "sound"},
                        folder.path().string(), 120.0);
   };
   const auto plane = check(cylinders_by("right"), "right");
@@ -457,7 +458,7 @@ TEST(BesideTheShippedSolver, BothOptionsAreNeeded) {
 /// A body in Python that goes wrong in a window.
 TEST(WrongParticipant, InPythonLeavesItsTraceback) {
   TemporaryFolder folder;
-  const std::string python = RICOCHET_SOURCE "/common/participant/python";
+  const std::string python = source_folder() + "/common/participant/python";
   auto text = file_text(python + "/explicit_bar.py");
   text = replaced(text, "import numpy", "import sys; sys.path.insert(0, \"" + python + "\")\nimport numpy");
   text = replaced(text, "    def accept(self):\n", "    def accept(self):\n        self.nothing[3] += 1\n");

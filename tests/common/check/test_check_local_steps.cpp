@@ -9,6 +9,7 @@
 #include "common/check/check.hpp"
 #include "common/scene/loaders.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -68,7 +69,7 @@ TEST(LocalStepsPlan, WarnsOfASupportThatStopsSmallStepsAtOnce) {
 }
 
 TEST(LocalStepsPlan, AllowsAStepThatItTakes) {
-  Scene scene = load_scene(RICOCHET_SOURCE "/configs/two_balls.toml");
+  Scene scene = load_scene(test::source_folder() + "/configs/two_balls.toml");
   scene.coupling.protocol = protocol_traits("local_explicit");
   scene.participants = participants_of(scene, {});
   const auto refusal_of = [&scene](double step_s) -> std::string {

@@ -11,6 +11,7 @@
 #include "common/problem/build.hpp"
 #include "common/problem/critical_step.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::scene {
@@ -45,9 +46,9 @@ std::vector<int> not_reached(const Problem& problem, int index) {
 
 /// In windows that are too long for some elements far from the contact, whatever their neighbours.
 Problem ball_on_plate(const std::string& protocol) {
-  std::string text = read_file(RICOCHET_SOURCE "/configs/ball_on_plate.toml");
+  std::string text = read_file(test::source_folder() + "/configs/ball_on_plate.toml");
   for (std::size_t at = 0; (at = text.find("gmsh = \"", at)) != std::string::npos; at += 8)
-    text.insert(at + 8, RICOCHET_SOURCE "/configs/");
+    text.insert(at + 8, test::source_folder() + "/configs/");
   text = replaced(text, "step_s = 6e-8", "step_s = 1.2e-7");
   return build_problem(load_text(text + "[coupling]\nprotocol = \"" + protocol + "\"\n"));
 }

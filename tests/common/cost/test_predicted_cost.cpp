@@ -1,12 +1,13 @@
 #include <gtest/gtest.h>
 
 #include "common/cost/predicted_cost.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::cost {
 namespace {
 
 scene::Scene scene_of(const std::string& config) {
-  return scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+  return scene::load_scene(test::source_folder() + "/configs/" + config + ".toml");
 }
 
 /// On a machine as fast as the one whose figures the prediction has.
@@ -78,6 +79,13 @@ TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
   const PredictedCost own = cost_of(scene);
   EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01);
   EXPECT_GT(own.stepping_s(), 4 * scaled.stepping_s());
+}
+
+TEST(PredictedCost, CountsRowsThatAreWrittenAnew) {
+  auto scene = scene_of("oblique_ball");
+  const PredictedCost oblique = cost_of(scene);
+  for (auto& body : scene.bodies) body.initial_velocity_m_s.front() = 0.0;
+  EXPECT_GT(oblique.all_implicit_s, 1.1 * cost_of(scene).all_implicit_s) << "straight";
 }
 
 TEST(PredictedCost, IsMeasuredInUnitsOfThisMachine) {

@@ -8,6 +8,7 @@
 #include "tests/common/fem/sample_elements.hpp"
 #include "tests/common/fem/test_help.hpp"
 #include "tests/support/block_mesh.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/triangle_mesh.hpp"
 
 namespace ricochet::fem {
@@ -19,8 +20,8 @@ using testing::HasSubstr;
 using testing::Key;
 using testing::Pair;
 
-const std::string cylinders = RICOCHET_SOURCE "/tests/common/fem/data/two_cylinders.msh";
-const std::string rod = RICOCHET_SOURCE "/tests/common/fem/data/rod.msh";
+const std::string cylinders = test::source_folder() + "/tests/common/fem/data/two_cylinders.msh";
+const std::string rod = test::source_folder() + "/tests/common/fem/data/rod.msh";
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t position = text.find(from);

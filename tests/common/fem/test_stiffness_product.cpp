@@ -7,6 +7,7 @@
 #include "common/fem/part.hpp"
 #include "common/fem/stiffness_product.hpp"
 #include "tests/common/fem/sample_elements.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -65,14 +66,13 @@ TEST(StiffnessProduct, StoresSlicesAmongCopiesOfAnElementOnce) {
     EXPECT_EQ(product.slices(), 11 * 161 / 4);
     EXPECT_LE(product.distinct_slices(), 11 + 3 + 3);  // and those that the two ends are neighbours of
   }
-  const Part uneven =
-      whole(read_gmsh(std::string(RICOCHET_SOURCE) + "/configs/striker.msh", Model::axisymmetric, "striker"));
+  const Part uneven = whole(read_gmsh(test::source_folder() + "/configs/striker.msh", Model::axisymmetric, "striker"));
   const StiffnessProduct product(uneven.stiffness, 2);
   EXPECT_GT(product.distinct_slices(), product.slices() / 2);
 }
 
 TEST(StiffnessProduct, EqualsTheSparseProductOnAnUnstructuredMesh) {
-  const std::string path = std::string(RICOCHET_SOURCE) + "/configs/striker.msh";
+  const std::string path = test::source_folder() + "/configs/striker.msh";
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "striker"))), 1e-14);
   EXPECT_LT(largest_difference(whole(read_gmsh(path, Model::axisymmetric, "anvil"))), 1e-14);
 }

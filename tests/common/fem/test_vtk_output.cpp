@@ -15,6 +15,7 @@
 #include "common/fem/vtk_output.hpp"
 #include "tests/common/fem/sample_elements.hpp"
 #include "tests/common/fem/test_help.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::fem {
 namespace {
@@ -112,7 +113,8 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
 
 /// What print_vtu.py prints, by name of the array.
 std::map<std::string, std::vector<double>> read_with_meshio(const std::string& path) {
-  const std::string command = "/usr/bin/python3 " RICOCHET_SOURCE "/tests/common/fem/print_vtu.py '" + path + "' 2>&1";
+  const std::string command =
+      "/usr/bin/python3 " + test::source_folder() + "/tests/common/fem/print_vtu.py '" + path + "' 2>&1";
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   std::string text;
   std::array<char, 4096> buffer{};

@@ -8,6 +8,7 @@
 #include "common/check/check.hpp"
 #include "common/check/check_reach.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -175,7 +176,7 @@ TEST(UnreachedEnds, WorkWithAnyMeshByTheDilatationalSpeed) {
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_THAT(lines[0], HasSubstr("the 0.0075 m at the low end of \"steel\" (12 of 32 elements)"));
   EXPECT_THAT(lines[1], HasSubstr("the 0.005 m at the high end of \"carbide\" (8 of 32 elements)"));
-  const Scene gmsh = load_scene(RICOCHET_SOURCE "/configs/striker_gmsh.toml");
+  const Scene gmsh = load_scene(test::source_folder() + "/configs/striker_gmsh.toml");
   EXPECT_TRUE(unreached_ends_of(gmsh, 30e-6).empty());
   EXPECT_EQ(unreached_ends_of(gmsh, 1e-6).size(), 2U);
 }

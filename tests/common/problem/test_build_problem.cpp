@@ -9,6 +9,7 @@
 #include "common/base/error.hpp"
 #include "common/problem/problem.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -197,7 +198,7 @@ TEST(SectionOf, HoldsAreaThicknessOrTheCircle) {
 }
 
 TEST(Gmsh, TwoBodiesOutOfOneFile) {
-  const Problem problem = build_problem(load_scene(RICOCHET_SOURCE "/configs/striker_gmsh.toml"));
+  const Problem problem = build_problem(load_scene(test::source_folder() + "/configs/striker_gmsh.toml"));
   EXPECT_EQ(problem.bodies[0].mesh.elements.size(), 224U);
   EXPECT_EQ(problem.bodies[1].mesh.elements.size(), 392U);
   EXPECT_EQ(count(problem.bodies[0].implicit_element), 80);
@@ -209,7 +210,7 @@ TEST(Gmsh, TwoBodiesOutOfOneFile) {
 }
 
 TEST(Gmsh, UnknownGroupsAndSurfacesNameTheLine) {
-  const std::string folder = RICOCHET_SOURCE "/configs/";
+  const std::string folder = test::source_folder() + "/configs/";
   std::ifstream file(folder + "striker_gmsh.toml");
   std::string text((std::istreambuf_iterator<char>(file)), {});
   while (text.find("\"striker.msh\"") != std::string::npos)

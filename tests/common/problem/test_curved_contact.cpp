@@ -8,12 +8,13 @@
 #include "common/problem/problem.hpp"
 #include "tests/common/scene/scene_text.hpp"
 #include "tests/support/block_mesh.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::scene {
 namespace {
 
 Problem build_config(const std::string& name) {
-  return build_problem(load_scene(RICOCHET_SOURCE "/configs/" + name + ".toml"));
+  return build_problem(load_scene(test::source_folder() + "/configs/" + name + ".toml"));
 }
 
 /// Two balls of one material that touch: normals of the plane that both deform to, gaps of two parabolas.
@@ -78,10 +79,10 @@ protocol = "all_explicit"
   EXPECT_THAT(refusal(scene, folder), testing::HasSubstr("surface \"ball.sides\", which faces all ways"));
   const std::string given = replaced(scene, "rigid_plane\"]", "rigid_plane\"]\nnormal = [2.0, 0.0, 0.0]");
   EXPECT_EQ(refusal(given, folder), "accepted") << "of a surface all around, what is given";
-  std::ifstream file(RICOCHET_SOURCE "/configs/two_balls.toml");
+  std::ifstream file(test::source_folder() + "/configs/two_balls.toml");
   std::string balls{std::istreambuf_iterator<char>(file), {}};
   for (int body = 0; body < 2; ++body)
-    balls = replaced(balls, "gmsh = \"two", std::string("gmsh =  \"") + RICOCHET_SOURCE "/configs/two");
+    balls = replaced(balls, "gmsh = \"two", std::string("gmsh =  \"") + test::source_folder() + "/configs/two");
   EXPECT_THAT(refusal(replaced(balls, "upper_cap\"]", "upper_cap\"]\nnormal = [0.0, -1.0]"), folder),
               testing::HasSubstr("a normal into surface \"lower.lower_cap\""));
 }

@@ -10,6 +10,7 @@
 #include "common/problem/critical_step.hpp"
 #include "common/problem/problem.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::scene {
 namespace {
@@ -92,7 +93,7 @@ TEST(AutomaticRule, TakesFineElementsAndTheContactLayer) {
 }
 
 TEST(AutomaticRule, TakesFromAGradedMeshWhatTheElementsOwnFrequenciesSay) {
-  const Scene scene = load_scene(RICOCHET_SOURCE "/configs/rounded_striker.toml");
+  const Scene scene = load_scene(test::source_folder() + "/configs/rounded_striker.toml");
   const Problem problem = build_problem(scene);
   for (int index = 0; index < 2; ++index) {
     const BodyProblem& body = problem.bodies[static_cast<std::size_t>(index)];
@@ -134,7 +135,7 @@ TEST(AutomaticRule, TakesABadElementOnlyWhereItsNeighboursDoNotMakeUpForIt) {
 
 /// What is left explicit bears the step, and not because nothing is.
 TEST(AutomaticRule, LeavesTetrahedraThatBearTheStepTogether) {
-  Scene scene = load_scene(RICOCHET_SOURCE "/configs/ball_on_plate.toml");
+  Scene scene = load_scene(test::source_folder() + "/configs/ball_on_plate.toml");
   for (const double step_s : {3e-8, 9e-8}) {
     scene.time.step_s = step_s;
     const Problem problem = build_problem(scene);

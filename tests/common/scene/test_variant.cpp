@@ -6,6 +6,7 @@
 #include "common/problem/problem.hpp"
 #include "common/scene/variant.hpp"
 #include "tests/common/scene/scene_text.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::scene {
@@ -14,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-std::string config(const std::string& name) { return std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml"; }
+std::string config(const std::string& name) { return test::source_folder() + "/configs/" + name + ".toml"; }
 
 class Variant : public testing::Test {
  protected:
@@ -121,7 +122,7 @@ TEST_F(Variant, ChangesLists) {
 
 TEST_F(Variant, OfEveryConfigBuildsTheSameProblem) {
   int configs = 0;
-  for (const auto& entry : fs::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs")) {
+  for (const auto& entry : fs::directory_iterator(test::source_folder() + "/configs")) {
     if (entry.path().extension() != ".toml") continue;
     ++configs;
     const Problem before = build_problem(load_scene(entry.path().string()));

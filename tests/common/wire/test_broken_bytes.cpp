@@ -10,6 +10,7 @@
 
 #include "common/base/error.hpp"
 #include "tests/common/wire/samples.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::wire {
 namespace {
@@ -262,7 +263,7 @@ TEST(Decode, RefusesWrongTypesOfTheOtherFields) {
 /// A format that changes leaves seeds behind that are refused at once, and the fuzzer nothing to begin with.
 TEST(Decode, ReadsTheSeedsOfItsFuzzer) {
   for (const Kind kind : all_kinds()) {
-    std::ifstream file(fmt::format("{}/tests/fuzz/seeds/wire/{}", RICOCHET_SOURCE, name(kind)), std::ios::binary);
+    std::ifstream file(fmt::format("{}/tests/fuzz/seeds/wire/{}", test::source_folder(), name(kind)), std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(file), {}};
     Message message;
     EXPECT_NO_THROW(decode(bytes, "x", message)) << name(kind);

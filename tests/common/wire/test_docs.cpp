@@ -7,12 +7,13 @@
 
 #include "common/wire/lifecycle.hpp"
 #include "tests/common/wire/samples.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::wire {
 namespace {
 
 std::string page() {
-  std::ifstream file(RICOCHET_SOURCE "/docs/wire.md");
+  std::ifstream file(test::source_folder() + "/docs/wire.md");
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
@@ -28,9 +29,9 @@ std::string section(const std::string& name) {
 
 /// The text belongs into the page; a failure leaves it in the build directory to copy from.
 void expect_section(const std::string& name, const std::string& expected) {
-  EXPECT_EQ(section(name), expected) << "docs/wire.md differs from the code; the right text is in " << RICOCHET_BUILD
-                                     << "/wire_" << name << ".md";
-  if (section(name) != expected) std::ofstream(fmt::format("{}/wire_{}.md", RICOCHET_BUILD, name)) << expected;
+  EXPECT_EQ(section(name), expected) << "docs/wire.md differs from the code; the right text is in "
+                                     << test::build_folder() << "/wire_" << name << ".md";
+  if (section(name) != expected) std::ofstream(fmt::format("{}/wire_{}.md", test::build_folder(), name)) << expected;
 }
 
 std::string type_of(const Field& field, Message& message) {

@@ -2,12 +2,13 @@
 #include <gtest/gtest.h>
 
 #include "coupler/command/cost_text.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
 scene::Scene scene_of(const std::string& config) {
-  return scene::load_scene(std::string(RICOCHET_SOURCE) + "/configs/" + config + ".toml");
+  return scene::load_scene(test::source_folder() + "/configs/" + config + ".toml");
 }
 
 double end_of(const scene::Scene& scene) { return expected_end_s(scene::build_problem(scene)); }

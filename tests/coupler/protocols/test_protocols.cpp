@@ -10,6 +10,7 @@
 #include "coupler/processes/participants.hpp"
 #include "coupler/protocols/protocol.hpp"
 #include "tests/coupler/protocols/spring_chain.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::coupler::test {
 namespace {
@@ -241,7 +242,7 @@ TEST(Registry, AProtocolIsAFileALineAndARowOfTheSceneTable) {
   for (const auto& protocol : scene::protocols()) {
     EXPECT_NE(make_protocol(protocol.name, {}), nullptr);
     if (!protocol.coupled()) continue;
-    const std::string file = std::string(RICOCHET_SOURCE) + "/coupler/protocols/" + protocol.name + ".hpp";
+    const std::string file = ricochet::test::source_folder() + "/coupler/protocols/" + protocol.name + ".hpp";
     EXPECT_TRUE(std::filesystem::exists(file)) << file;
   }
   EXPECT_THROW((void)make_protocol("hughes_lu", {}), std::invalid_argument);

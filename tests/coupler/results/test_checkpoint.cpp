@@ -11,6 +11,7 @@
 #include "common/base/sha256.hpp"
 #include "coupler/results/checkpoint.hpp"
 #include "coupler/results/field_digests.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::coupler {
@@ -163,7 +164,7 @@ TEST_F(CheckpointFolderTest, AManifestHoldsForItself) {
 TEST_F(CheckpointFolderTest, TheSeedOfItsFuzzerIsWhole) {
   write("checkpoint/7.state", "abc");
   write("checkpoint/7.implicit.state", "abc");
-  std::filesystem::copy(RICOCHET_SOURCE "/tests/fuzz/seeds/manifest/two_parts", file("7.json"));
+  std::filesystem::copy(test::source_folder() + "/tests/fuzz/seeds/manifest/two_parts", file("7.json"));
   EXPECT_TRUE(last());
   EXPECT_THAT(damaged_, IsEmpty());
 }

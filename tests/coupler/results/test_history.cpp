@@ -16,6 +16,7 @@
 #include "coupler/results/history.hpp"
 #include "coupler/results/history_file.hpp"
 #include "coupler/watch/energy_watch.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::coupler {
@@ -287,7 +288,7 @@ TEST(HistoryFile, ColumnsOfTheIssueInOrderAndSeventeenDigits) {
               AllOf(HasSubstr("0.33333333333333331"), HasSubstr("0,nan,"), testing::EndsWith(",3,0,0,0,0,0,0,0,1.5")));
 }
 
-std::string docs_page(const std::string& name) { return read(std::string(RICOCHET_SOURCE) + "/docs/" + name); }
+std::string docs_page(const std::string& name) { return read(test::source_folder() + "/docs/" + name); }
 
 /// Names in the first cells of the tables between two headings of docs/results.md.
 std::set<std::string> columns_of_page(const std::string& begin, const std::string& end) {

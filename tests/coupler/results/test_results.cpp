@@ -22,6 +22,7 @@
 #include "coupler/results/summary.hpp"
 #include "coupler/results/trace.hpp"
 #include "coupler/run/compute_scene.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -252,7 +253,7 @@ void add_keys(const nlohmann::json& json, const std::string& name, std::set<std:
 }
 
 std::set<std::string> keys_of_results_page() {
-  const std::string page = read(std::string(RICOCHET_SOURCE) + "/docs/results.md");
+  const std::string page = read(test::source_folder() + "/docs/results.md");
   std::istringstream lines(page.substr(page.find("\n## summary.json\n")));
   std::set<std::string> keys;
   for (std::string line; std::getline(lines, line);) {

@@ -3,11 +3,12 @@
 #include <cmath>
 
 #include "coupler/results/theory.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::coupler {
 namespace {
 
-const std::string configs = std::string(RICOCHET_SOURCE) + "/configs/";
+const std::string configs = test::source_folder() + "/configs/";
 
 std::optional<ImpactTheory> theory_of(const std::string& file) {
   return impact_theory(scene::build_problem(scene::load_scene(configs + file)));

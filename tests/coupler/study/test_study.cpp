@@ -10,6 +10,7 @@
 #include "coupler/study/study_case.hpp"
 #include "coupler/study/study_file.hpp"
 #include "coupler/study/study_measures.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/scene_file.hpp"
 
 namespace ricochet::coupler {
@@ -19,7 +20,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::string bars = std::string(RICOCHET_SOURCE) + "/configs/two_bars.toml";
+const std::string bars = test::source_folder() + "/configs/two_bars.toml";
 
 std::string good_study() {
   return "scene = \"" + bars + R"("
@@ -159,7 +160,7 @@ TEST(StudyFile, ListsOfNumbersAreValues) {
 
 TEST(StudyFile, TheShippedOnesLoad) {
   int studies = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RICOCHET_SOURCE) + "/configs/studies")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_folder() + "/configs/studies")) {
     const auto study = load_study(entry.path().string());
     EXPECT_FALSE(all_combinations(study).empty());
     ++studies;
@@ -555,7 +556,7 @@ TEST(ExactImpact, OfASoftStrikerKeepsMomentumAndReboundsByImpedances) {
   // Z1 < Z2, and the striker's wave is back before the long bar's.
   const test::TemporaryFolder folder;
   const std::string path = (folder.path() / "a.toml").string();
-  scene::write_variant(std::string(RICOCHET_SOURCE) + "/configs/unequal_bars.toml",
+  scene::write_variant(test::source_folder() + "/configs/unequal_bars.toml",
                        {{"body.striker.material.youngs_modulus_pa", 7e9},
                         {"body.striker.material.density_kg_m3", 2700.0},
                         {"time.step_s", 1e-7}},
@@ -584,7 +585,7 @@ TEST(ExactImpact, IsRefusedWhereTheoryIsNotExact) {
     }
     return std::string();
   };
-  const std::string configs = std::string(RICOCHET_SOURCE) + "/configs/";
+  const std::string configs = test::source_folder() + "/configs/";
   for (const char* name : {"kim_impact", "bouncing_bar", "slipping_plates", "unequal_bars"}) {
     EXPECT_THAT(refused(configs + name + ".toml"), HasSubstr("allowed with reference.exact")) << name;
   }

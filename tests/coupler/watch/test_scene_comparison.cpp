@@ -9,6 +9,7 @@
 #include "common/problem/problem.hpp"
 #include "coupler/watch/scene_comparison.hpp"
 #include "coupler/watch/tried_causes.hpp"
+#include "tests/support/places.hpp"
 
 namespace ricochet::coupler {
 namespace {
@@ -33,7 +34,7 @@ struct DescribedBars {
   PeerDescription description;
 
   DescribedBars() {
-    problem = scene::build_problem(scene::load_scene(RICOCHET_SOURCE "/configs/two_bars.toml"));
+    problem = scene::build_problem(scene::load_scene(test::source_folder() + "/configs/two_bars.toml"));
     description.participant = "explicit";
     description.components = 1;
     description.bodies = {"left", "right"};

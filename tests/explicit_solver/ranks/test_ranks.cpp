@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "explicit_solver/explicit_solver.hpp"
+#include "tests/support/places.hpp"
 #include "tests/support/ranks_in_threads.hpp"
 #include "tests/support/scene_file.hpp"
 
@@ -89,7 +90,7 @@ std::string turning(const std::string& text) {
 
 std::string config_of(const std::string& name) {
   std::stringstream text;
-  text << std::ifstream(std::string(RICOCHET_SOURCE) + "/configs/" + name + ".toml").rdbuf();
+  text << std::ifstream(test::source_folder() + "/configs/" + name + ".toml").rdbuf();
   return text.str() + "\n[coupling]\nprotocol = \"all_explicit\"\n";
 }
 
