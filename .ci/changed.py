@@ -1,18 +1,30 @@
-"""Prints the sources of a compilation database that the last commits may have broken: those that they changed, those that
-include a header that they changed, and those that are compiled together with such. Without so long a history, all.
+"""Prints the sources of a compilation database that the last commits may have broken: those whose code they changed, those that
+include a header with such a change, and those that are compiled together with such. Comments are no code. Without so long a
+history, all.
   changed.py DATABASE [--commands]: instead, the command that reads each and compiles nothing."""
 import json
 import pathlib
+import re
 import subprocess
 import sys
 
-COMMITS = 40
+COMMITS = 25
 
 root = pathlib.Path(__file__).resolve().parent.parent
 # By a shell, so that a machine without git is one without a history; a clone may belong to somebody else.
-changes = subprocess.run(f"git -c safe.directory='*' diff --name-only HEAD~{COMMITS}", shell=True, cwd=root,
-                         capture_output=True, text=True)
-changed = {str(root / name) for name in changes.stdout.split()}
+changes = subprocess.run(f"git -c safe.directory='*' diff -U0 --no-renames HEAD~{COMMITS} -- '*.?pp' '*.h'", shell=True, cwd=root,
+                         capture_output=True, text=True, errors="replace")
+
+
+def changed_files(diff):
+    for of_file in re.split(r"^diff --git ", diff, flags=re.M)[1:]:
+        head, _, lines = of_file.partition("\n@@")
+        code = {sign: "".join(re.sub(r"\s*//.*", "", line[1:]) for line in lines.split("\n") if line.startswith(sign)) for sign in "+-"}
+        if code["+"] != code["-"]:
+            yield str(root / head.split("\n")[0].split(" b/")[-1])
+
+
+changed = set(changed_files(changes.stdout))
 
 
 def broken(file):

@@ -86,7 +86,7 @@ void ExplicitContact::find_free_motion(const std::vector<BodyState>& states, Rat
   }
 }
 
-/// Of a penalty, and of massless nodes: their normal forces, as those of the root problem.
+/// For a penalty, and for massless nodes: their normal forces, as those of the root problem.
 void ExplicitContact::find_known_normals(const std::vector<BodyState>& states, double acting_time) {
   known_normal_.resize(0);
   if (law_->enforcement == scene::Enforcement::penalty) {

@@ -45,7 +45,7 @@ class ExplicitContact {
   /// With the law "massless": moves the masses of `states`; then r is the one that balances the contact nodes, not the
   /// one that closes the gap, and the gap at n is.
   void move_masses(std::vector<solver::BodyState>& states);
-  /// Of massless nodes at n + 1: their displacement in `u` (per part) from that of the others.
+  /// Settles massless nodes at n + 1: their displacement in `u` (per part) from that of the others.
   void settle(const std::vector<solver::BodyState>& states, const std::vector<const Eigen::VectorXd*>& external,
               const std::vector<Eigen::VectorXd*>& u);
   /// At the start (n = 0): adds the contact accelerations to state.a so that u_1 = u_0 + dt v_0 + dt^2/2 a_0 does not
@@ -145,7 +145,7 @@ class ExplicitContact {
   std::optional<solver::SlidingRows> sliding_;
   State state_;
   std::optional<solver::MasslessNodes> massless_;
-  /// Of N M^-1 N^T, for impulses times the window; none: to be made for the present rows.
+  /// The problem of N M^-1 N^T, for impulses times the window; none: to be made for the present rows.
   std::optional<solver::RootProblem> root_;
   Eigen::VectorXd gap_free_, slip_free_, known_normal_;
   std::vector<Force> old_forces_;

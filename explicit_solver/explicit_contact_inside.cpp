@@ -48,7 +48,7 @@ void ExplicitContact::act_through(const std::vector<std::unique_ptr<solver::Inte
   responses_ = solver::unit_responses(std::move(dofs), through_, states);
 }
 
-/// S N^T r of all pairs, without what acts on a support at once. What is left at supports pulls them inside the steps.
+/// S N^T r of all pairs, without what acts on a support at once. The rest at supports pulls them inside the steps.
 void ExplicitContact::spread_forces() {
   for (auto& force : spread_) force.setZero();
   const auto add = [&](const ContactRow& row, double force) {
@@ -115,7 +115,7 @@ bool ExplicitContact::turned() const {
   return false;
 }
 
-/// What the forces of the window before do now, beyond what the compliance says: a normal force that pushes along a
+/// Effect of the forces of the window before, beyond what the compliance says: a normal force that pushes along a
 /// direction which has turned would be answered by friction.
 void ExplicitContact::add_turn(const std::vector<BodyState>& states, double acting_time) {
   const auto last = last_forces(acting_time);

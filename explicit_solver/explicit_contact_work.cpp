@@ -1,4 +1,4 @@
-// What contact forces do over a window: work, impulses, and the energy that massless nodes give back.
+// The effects of contact forces over a window: work, impulses, and the energy that massless nodes give back.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ using solver::ContactRow;
 using solver::ContactState;
 using solver::Pair;
 
-/// Of the contact forces over the window that ended, inside the small steps.
+/// The work of the contact forces over the window that ended, inside the small steps.
 double ExplicitContact::work_inside(const std::vector<BodyState>& states,
                                     const std::vector<const Eigen::VectorXd*>& u_before) const {
   double work = 0.0;
@@ -101,7 +101,7 @@ double ExplicitContact::staggered_correction(const Pair& pair, const std::vector
   return sum;
 }
 
-/// Of all nodes.
+/// The sum over all nodes.
 double ExplicitContact::staggered_correction(const std::vector<BodyState>& states) const {
   double sum = 0.0;
   for (const auto& state : states) sum += 0.125 * dt() * dt() * state.a.dot(state.mass.cwiseProduct(state.a));

@@ -77,7 +77,7 @@ class ExplicitSolver : public participant::Participant {
                                                                   const std::vector<int>& driven) const;
   [[nodiscard]] std::optional<ExplicitContact> make_contact() const;
   [[nodiscard]] ExplicitContact* contact() { return stepping_->contact(); }
-  /// What this process steps: with ranks a share of each part.
+  /// The bodies that this process steps: with ranks a share of each part.
   [[nodiscard]] std::vector<solver::BodyState>& stepped() { return ranks_ ? *share_ : states_; }
   [[nodiscard]] const std::vector<solver::BodyState>& stepped() const { return ranks_ ? *share_ : states_; }
   /// The whole parts, with the motion of the last accepted window.

@@ -23,7 +23,7 @@ LocalForce::LocalForce(const solver::BodyState& state, std::unique_ptr<solver::I
   if (steps_.any() && state.plastic) flow_.emplace(Flow{0.0, 0.0, {}, straining(), state.plastic->force_n});
 }
 
-/// Of the present motion.
+/// The displacement that strains, of the present motion.
 Eigen::VectorXd LocalForce::straining() const {
   return state_->frame ? state_->frame->straining(state_->u) : state_->u;
 }

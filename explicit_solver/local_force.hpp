@@ -40,7 +40,7 @@ class LocalForce final : public solver::InternalForce {
   void archive(Archive& a) override;
 
  private:
-  /// Of elements that yield.
+  /// The flow of elements that yield.
   struct Flow {
     double work_j = 0.0;                 ///< the sum over windows
     double plastic_work_j = 0.0;         ///< PlasticState::work_j of the last window

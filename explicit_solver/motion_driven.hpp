@@ -72,7 +72,7 @@ class MotionDriven {
     Eigen::VectorXd u;     ///< after `accept` the accepted displacement before
     State::Forces forces;  ///< after `accept` the accepted ones before
   };
-  /// What `state.v` is when accelerations are sought.
+  /// The time of `state.v` when accelerations are sought.
   enum class Velocity { now, half_a_step_before };
   [[nodiscard]] double dt() const { return clock_.size_s(); }  ///< of the window to come [s]
   void settle_at_start();

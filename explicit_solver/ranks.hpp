@@ -11,7 +11,7 @@
 
 namespace ricochet::explicit_solver {
 
-/// What all ranks of a participant do together. The first one tells the others, which do nothing on their own.
+/// Orders that all ranks of a participant obey together. The first one tells the others, which do nothing on their own.
 enum class Order {
   synchronise,
   reconfigure,
@@ -46,7 +46,7 @@ class Ranks {
   /// Ask all ranks: the totals of the last accepted window, and its motion, of all nodes into `whole`.
   virtual void take_totals(const Stepping& own, double dt, std::vector<solver::BodyState>& whole) = 0;
   virtual void take_motion(std::vector<solver::BodyState>& whole) = 0;
-  /// What each of the others has to remember, and that put back.
+  /// The states that each of the others has to remember, and that put back.
   virtual std::vector<std::string> save() = 0;
   virtual void restore(const std::vector<std::string>& saved) = 0;
 };

@@ -42,7 +42,7 @@ class Supernodes {
       of_column_.resize(static_cast<std::size_t>(first_[s + 1]), s);
   }
 
-  /// Of L L^T.
+  /// The diagonal of L in L L^T.
   [[nodiscard]] double diagonal(int column) const { return column_of(column).values[0]; }
   /// take(row, value) of the column of L, of L D L^T, from the top.
   template <class Take>

@@ -11,7 +11,7 @@
 
 namespace ricochet::implicit_solver {
 
-/// What the next window is computed from, with the motion of the bodies; combined vectors.
+/// The vectors that the next window is computed from, with the motion of the bodies; combined vectors.
 struct WindowState {
   Eigen::VectorXd residual;  ///< q = f - P(u) - L without the contact forces, carried along by increments [N]
   Eigen::VectorXd external;  ///< f, reactions included [N]

@@ -12,7 +12,7 @@
 namespace ricochet::implicit_solver {
 namespace {
 
-/// Of CHOLMOD's dense blocks, and of what follows, in operations that CHOLMOD counts for the factor: to tell how far a
+/// Speed of CHOLMOD's dense blocks and of what follows, in operations that CHOLMOD counts: to tell how far a
 /// factorisation is, not how long it takes.
 constexpr double flops_per_s = 6e9, arranged_flops_per_s = 2e10;
 /// Entries of a block that are worth a thread.
@@ -230,7 +230,7 @@ void CondensedFactor::forward(const Eigen::VectorXd& b) {
   root_rhs_ = work_.segment(interior_, unknowns - interior_);
 }
 
-/// What `recover` multiplies: what `forward` left of a block's unknowns, which may be used again, times D^-1, and what
+/// The operand of `recover`: what `forward` left of a block's unknowns, which may be used again, times D^-1, and what
 /// is known of its rows.
 void CondensedFactor::gather(const Block& block, double* y) const {
   for (int k = 0; k < block.width; ++k)

@@ -65,7 +65,7 @@ class CondensedFactor {
   /// be added to those are collected behind the unknowns of work_, subtree by subtree: in the order of the rows of the
   /// subtree's last block, which has all of them.
   std::vector<int> target_;
-  /// Of a block with the columns (T over R) of L, T the unit lower triangle of its own rows: (T^-1 over -R T^-1), in
+  /// For a block with the columns (T over R) of L, T the unit lower triangle of its own rows: (T^-1 over -R T^-1), in
   /// panels, so that a block is one product in `forward`, and one by the transpose in `backward`.
   std::vector<double> values_;
   std::vector<double> inverse_diagonal_;

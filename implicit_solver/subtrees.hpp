@@ -15,7 +15,7 @@ struct Block {
   [[nodiscard]] double entries() const { return static_cast<double>(width + rows) * width; }
 };
 
-/// What of L may be eliminated side by side. Its blocks form a tree, a block below the one that holds its first row,
+/// Parts of L to eliminate side by side. Its blocks form a tree, a block below the one that holds its first row,
 /// and are numbered in a postorder, so that a subtree is blocks, and unknowns, in a row. *Subtrees* share no unknown;
 /// the blocks above them are the *top*. How L is divided depends on L alone, not on the number of threads, because what
 /// subtrees add to unknowns above them is summed subtree by subtree.

@@ -40,7 +40,7 @@ concept Numbers = requires(T& values) {
 ///
 /// Nothing is trusted in reading: sizes are bounded by the bytes that are left, and where something is impossible it
 /// throws ConfigError. Reading keeps what the archive does not name: an object of the same scene goes on from there.
-/// What has one size in all states of a scene is read by `same_size`; what is then indexed by other things of that size
+/// A range of one size in all states of a scene is read by `same_size`; one that is then indexed by others of that size
 /// can be.
 class Archive {
  public:
@@ -49,7 +49,7 @@ class Archive {
   Archive(std::string_view bytes, std::string what) : reading_(true), unread_(bytes), what_(std::move(what)) {}
 
   [[nodiscard]] bool reading() const { return reading_; }
-  /// What was written.
+  /// All that was written.
   [[nodiscard]] std::string take() { return std::move(written_); }
   /// After reading: refuses bytes that are left.
   void end() const;
@@ -79,7 +79,7 @@ class Archive {
     same_size_ = before;
   }
   void raw(void* data, std::size_t bytes);
-  /// Of something each of whose items takes at least so many bytes.
+  /// The number of items, each of which takes at least so many bytes.
   std::size_t size(std::size_t present, std::size_t least_bytes);
 
   template <class T>
@@ -140,7 +140,7 @@ class Archive {
     if (index != value.index()) refuse("another kind of state");
     std::visit([this](auto& held) { item(held); }, value);
   }
-  /// Of Eigen's, those with the dimension in the type.
+  /// Eigen's vectors and matrices with the dimension in the type.
   template <class T>
   static constexpr bool of_fixed_size() {
     if constexpr (requires { T::SizeAtCompileTime; }) {

@@ -7,7 +7,7 @@
 
 #include "common/base/archive.hpp"
 
-/// What every run reports of each body and of its contact: one list of names and members, which participants write
+/// Reported by every run of each body and of its contact: one list of names and members, which participants write
 /// their history rows by and the coupler reads them by.
 namespace ricochet {
 
@@ -38,18 +38,18 @@ struct BodyTotals {
   void archive(Archive& a);
 };
 
-/// What is told of one contact, and of all contacts of a scene together. A contact force is the impulse that acted over
+/// Numbers of one contact, and of all contacts of a scene together. A contact force is the impulse that acted over
 /// the window, divided by its size: the only force that all laws and integrators share, and the one for which sum F dt
 /// = change of momentum holds exactly.
 struct ContactTotals {
   double gap_min_m = 0.0;
   double contact_force_n = 0.0;  ///< on B along +n, over the window, friction's too
-  /// Of the closed pairs, whose normal force over their area is above 1e-3 of the largest: mean and largest of it.
+  /// In closed pairs, whose normal force over their area is above 1e-3 of the largest: mean and largest of it.
   double contact_pressure_mean_pa = 0.0, contact_pressure_max_pa = 0.0;
   double contact_radius_m = 0.0;    ///< of axisymmetric and solid bodies: of the circle as large as their area
   double friction_force_n = 0.0;    ///< of friction on B along +t, over the window
   double friction_force_b_n = 0.0;  ///< of solids: of friction on B along +(n x t)
-  /// Of the normal forces of a curved surface on B along +t and, of solids, along +(n x t), over the window.
+  /// Impulse of the normal forces of a curved surface on B along +t and, of solids, along +(n x t), over the window.
   double normal_force_t_n = 0.0, normal_force_b_n = 0.0;
   double pairs_stick = 0.0, pairs_slip = 0.0, pairs_open = 0.0;  ///< numbers of pairs
   double contact_impulse_n_s = 0.0, friction_impulse_n_s = 0.0;  ///< sums of F dt so far
@@ -59,13 +59,13 @@ struct ContactTotals {
   void archive(Archive& a);
 };
 
-/// What the owner of the contacts reports: of all of them together, each along its own directions, and of each.
+/// The report of the owner of the contacts: of all of them together, each along its own directions, and of each.
 struct ContactRecord : ContactTotals {
   double principal_stress_mean_pa = 0.0;  ///< of the first contact
   double energy_contact_j = 0.0;   ///< work so far of the normal contact forces: what impacts cost (a loss is negative)
   double energy_friction_j = 0.0;  ///< dissipated so far by friction
   std::vector<ContactTotals> contacts;  ///< in the scene's order; empty where there is but one
-  // Of the contact problems since the row before; all zero where they have a closed form.
+  // Counts of the contact problems since the row before; all zero where they have a closed form.
   double contact_iterations = 0.0;
   double contact_residual = 0.0;     ///< largest violation of their conditions, relative to the largest normal force
   double contact_unconverged = 0.0;  ///< windows so far in which that was above what counts as converged

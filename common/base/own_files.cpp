@@ -144,7 +144,7 @@ bool OwnFiles::is_kept(const std::string& name) const {
   });
 }
 
-/// What lies there and bears a name that the pattern means.
+/// All that lies there and bears a name that the pattern means.
 std::vector<std::string> OwnFiles::present(const std::string& pattern) const {
   struct stat status {};
   if (pattern.find('#') == std::string::npos) {

@@ -20,7 +20,7 @@ class OwnFiles {
   /// Notes how each claimed file looks now, by which a later change of it is known, and removes halves of files.
   ~OwnFiles();
 
-  /// What this command reads, wherever it lies: from now on it is neither removed nor claimed, though it may be ours.
+  /// A file that this command reads, wherever it lies: from now on it is neither removed nor claimed, even if ours.
   void keep(const std::vector<std::string>& paths) { kept_ = paths; }
   /// A file that was changed since it was written, or copied, is somebody else's, unless a run goes on from it.
   enum class Changed { refused, accepted };

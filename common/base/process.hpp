@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-/// What this process has from the machine, and what it shows of texts by others.
+/// Properties that this process has from the machine, and the form in which it shows texts by others.
 namespace ricochet {
 
 /// By which users start this program, and with which the lines begin that it prints of what went wrong.
@@ -19,7 +19,7 @@ void prepare_process();
 /// Raises the limit of open files to `needed` if that may be; else throws MachineError with both numbers.
 void require_descriptors(unsigned long needed);
 
-/// What this machine is called: by the batch system, if one started this process, else by itself.
+/// This machine's name: by the batch system, if one started this process, else by itself.
 [[nodiscard]] std::string machine_name();
 
 /// Throws MachineError if /proc cannot be read: descriptors, programs and shared memory are found there.

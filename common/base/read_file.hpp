@@ -14,7 +14,7 @@ namespace ricochet {
 
 /// SHA-256 of the first `bytes` of such a file, so that more can be added to it. Throws ConfigError if it has fewer.
 [[nodiscard]] Sha256 digest_of_file(const std::string& path, std::int64_t bytes);
-/// Of all of it, 64 hexadecimal digits.
+/// The SHA-256 digest of all of it, 64 hexadecimal digits.
 [[nodiscard]] std::string digest_of_file(const std::string& path);
 
 }  // namespace ricochet

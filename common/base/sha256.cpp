@@ -20,7 +20,7 @@ std::string hex_of(const Digest& digest) {
   return hex;
 }
 
-/// Of one text behind another.
+/// The digest of one text behind another.
 Digest digest_of(std::string_view first, std::string_view second) {
   SHA256_CTX context;
   SHA256_Init(&context);

@@ -18,7 +18,7 @@ class Sha256 {
  public:
   Sha256();
   void add(std::string_view bytes);
-  /// Of all that came so far; more may follow.
+  /// The digest of all that came so far; more may follow.
   [[nodiscard]] std::string hex() const;
 
  private:

@@ -34,7 +34,7 @@ struct Moments {
   }
 };
 
-/// Of block `block`, with the displacement u + ahead_s v.
+/// The moments of block `block`, with the displacement u + ahead_s v.
 [[nodiscard]] Moments block_moments(const BodyState& state, double ahead_s, int block);
 
 /// sum m (Y + u + ahead_s v) Y^T of a block, Y from `centre_m` [kg m^2].

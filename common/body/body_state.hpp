@@ -15,7 +15,7 @@
 #include "common/problem/given_motion.hpp"
 #include "common/problem/problem.hpp"
 
-/// What both solvers keep of one body: its part, its motion and its ledger. Vectors are per local degree of freedom.
+/// State of one body in both solvers: its part, its motion and its ledger. Vectors are per local degree of freedom.
 namespace ricochet::solver {
 
 /// A fixed or prescribed degree of freedom. Velocity and acceleration by central differences of its motion over dt,
@@ -55,7 +55,7 @@ struct Dashpot {
   }
 };
 
-/// What changes of a body from window to window: its last accepted motion [m, m/s, m/s^2] and what was booked so far.
+/// Changes of a body from window to window: its last accepted motion [m, m/s, m/s^2] and what was booked so far.
 struct BodyMotion {
   Eigen::VectorXd u, v, a;
   BodyTotals totals;
@@ -63,13 +63,13 @@ struct BodyMotion {
   void archive(Archive& archive) { archive(u, v, a, totals); }
 };
 
-/// What the surroundings did to a part over one or more steps.
+/// The work and impulses that the surroundings gave a part over one or more steps.
 struct Given {
   double work_j = 0.0;
   Eigen::Vector3d impulse_n_s{0.0, 0.0, 0.0};  ///< by component
   Eigen::Vector3d angular_impulse_kg_m2_s{0.0, 0.0, 0.0};
 
-  /// Of a mean force over a step of `dt` in which its degree of freedom moved, at `place` [m] in the middle. A call,
+  /// Books a mean force over a step of `dt` in which its degree of freedom moved, at `place` [m] in the middle. A call,
   /// not in line: whether a product and a sum are rounded once or twice is a compiler's choice, which must be the same
   /// wherever this is booked.
   [[gnu::noinline]] void add(double dt, double force, double moved, int component, const Eigen::Vector3d& place);
@@ -162,7 +162,7 @@ struct BodyState : BodyMotion {
   /// Momentum of the integrated nodes from v, and its moment about the origin where they are.
   void update_momentum();
   void set_angular_momentum(const Eigen::Vector3d& kg_m2_s);
-  /// Of a stretch of nodes.
+  /// The part of it that a stretch of nodes has.
   [[nodiscard]] Eigen::Vector3d angular_momentum_of(int first_node, int last_node) const;
 
  private:
@@ -197,7 +197,7 @@ void restore_motions(const std::vector<BodyMotion>& motions, std::vector<BodySta
 /// nodes, an explicit one does not. The states point into `problem`, which must outlive them unmoved.
 [[nodiscard]] std::vector<BodyState> initial_states(const scene::Problem& problem,
                                                     const scene::ParticipantSpec& participant, bool shared_integrated);
-/// Of one part, or of a share of one; `problem` as above.
+/// The state of one part, or of a share of one; `problem` as above.
 [[nodiscard]] BodyState initial_state(const scene::Problem& problem, scene::ParticipantPart&& owned, scene::Role role,
                                       bool shared_integrated);
 /// Gives the states of a participant the threads that it computes with.

@@ -12,7 +12,7 @@ namespace ricochet::solver {
 /// equilibrium. `row` has as many numbers as `read_motion` appends.
 void load_motion(const std::vector<double>& row, std::vector<BodyState>& states);
 
-/// What `load_motion` takes away of a part.
+/// The part of a motion that `load_motion` takes away.
 struct Surroundings {
   scene::ExternalForce external;
   std::vector<ConstrainedDof> constrained;

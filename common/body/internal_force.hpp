@@ -53,13 +53,13 @@ class InternalForce {
   /// From here on all rows are computed: the motion is no longer what the part began with.
   virtual void reach_all();
 
-  /// What forces held over a window amount to at its end [N], in place: M a = S f - P(u). Where elements step locally
+  /// Forces held over a window amount to this at its end [N], in place: M a = S f - P(u). Where elements step locally
   /// f acts inside the small steps, and S is not 1 (fem::LocalSteps).
   virtual void spread(Eigen::VectorXd& force);
   [[nodiscard]] virtual bool spreads(int dof) const;
   /// R where that is R S R^T: of the frame of a part that turns, at its last evaluation. Else null.
   [[nodiscard]] virtual const Eigen::Matrix3d* turn() const;
-  /// What S leaves out [J]: of the energy of the elements at u, with S P(u) in `force`, and of the work of the forces
+  /// Energy left out by S [J]: of that of the elements at u, with S P(u) in `force`, and of the work of the forces
   /// inside the small steps so far.
   struct Unspread {
     double half_work_j = 0.0, work_j = 0.0;
@@ -72,7 +72,7 @@ class InternalForce {
   [[nodiscard]] virtual double stored(const Eigen::VectorXd& u, const Eigen::VectorXd& force,
                                       double half_work_j) const = 0;
 
-  /// What an implicit window is solved with [N/m], symmetric: K_T = dP/du at u, which stays as it is until the next
+  /// The matrix of an implicit window [N/m], symmetric: K_T = dP/du at u, which stays as it is until the next
   /// call; or, if it `keeps_tangent`, one matrix for all u that is nowhere smaller than K_T. Such elements,
   /// where they are not linear, `hold`.
   [[nodiscard]] virtual const fem::SparseMatrix& tangent(const Eigen::VectorXd& u) = 0;
@@ -82,7 +82,7 @@ class InternalForce {
   virtual void archive(Archive& a);
 };
 
-/// What it keeps, as bytes, and that put back. Throws ConfigError where the bytes are another part's.
+/// The state that it keeps, as bytes, and that put back. Throws ConfigError where the bytes are another part's.
 [[nodiscard]] inline std::string kept_by(InternalForce& force) {
   Archive out;
   force.archive(out);

@@ -8,7 +8,7 @@ namespace ricochet::solver {
 struct BodyState;
 struct Moments;
 
-/// What a process that steps its share of a part asks of the others that step the rest of it. Every rank makes the same
+/// Sums that a process which steps its share of a part asks of those that step the rest. Every rank makes the same
 /// calls in the same order.
 class OtherRanks {
  public:
@@ -28,13 +28,13 @@ class OtherRanks {
   using OfBlock = std::function<void(int block, double* numbers)>;
   virtual void sum(int numbers, const OfBlock& of_block, double* sums) = 0;
 
-  /// Of bodies that slide along each other: collects the moments of the whole part at u, which the first rank then has.
+  /// For bodies that slide along each other: collects the moments of the whole part at u on the first rank.
   virtual void collect_moments(const BodyState& state) = 0;
   [[nodiscard]] virtual const Moments& moments() const = 0;
   /// Whether it is so on any rank.
   [[nodiscard]] virtual bool anywhere(bool here) = 0;
 
-  /// What is booked of one degree of freedom: the mean force [N] while it moves [m], its component, and where it is.
+  /// Entry of one degree of freedom: the mean force [N] while it moves [m], its component, and where it is.
   using Book = std::function<void(double force, double moved, int component, const Eigen::Vector3d& place)>;
   /// Calls `book` on the first rank for all degrees of freedom of the whole part that are booked, in the order in which
   /// a process that has the whole part does; `force`, `moved` and `place` are asked for own ones on every rank.

@@ -78,7 +78,7 @@ void PartFrame::set_arms(const fem::Part& part) {
   }
 }
 
-/// Of sum_of(first node, last node), one block after another: the same bits for any number of threads and ranks.
+/// Adds up sum_of(first node, last node), block after block: the same bits for any number of threads and ranks.
 template <class Sum, class SumOf>
 Sum PartFrame::sum_of_blocks(Parallel* parallel, const SumOf& sum_of) const {
   const auto nodes = static_cast<int>(mass_.size());

@@ -26,7 +26,7 @@ void turn_nodes(const Eigen::Matrix3d& by, int components, Eigen::VectorXd& of_n
 ///   d_i = R^T y_i - Y_i.
 class PartFrame {
  public:
-  /// Of plane strain or a solid. Throws std::invalid_argument otherwise.
+  /// The frame of a part in plane strain or of a solid. Throws std::invalid_argument otherwise.
   explicit PartFrame(const fem::Part& part);
 
   /// Where a displacement u [m] of the part puts the frame.

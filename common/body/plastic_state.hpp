@@ -9,7 +9,7 @@
 
 namespace ricochet::solver {
 
-/// What the elements of a part that yields remember, of an accepted window. Plastic strain is kept at the quadrature
+/// Memory of the elements of a part that yields, of an accepted window. Plastic strain is kept at the quadrature
 /// points (fem::ElementPoint), element by element, as the components of fem::StressVector with each shear times
 /// sqrt(2), so that e : e is a sum of squares. It takes `modulus_pa` times itself off the elastic stress: the modulus
 /// is E of bars, whose lateral stress is zero, else 2 G, since plastic strain has no trace. Where materials differ each

@@ -7,7 +7,7 @@
 
 namespace ricochet::scene {
 
-/// What can be said, and refused, before a process starts.
+/// All that can be said, and refused, before a process starts.
 struct ParticipantPlan {
   std::string name;
   Role role = Role::explicit_solver;

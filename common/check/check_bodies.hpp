@@ -2,7 +2,7 @@
 
 #include "common/check/check.hpp"
 
-/// What `plan` says of each body as a whole. Internal to common/check.
+/// The lines of `plan` on each body as a whole. Internal to common/check.
 namespace ricochet::scene {
 
 /// Mass, size, speed and energy of each body at the start.

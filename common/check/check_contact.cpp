@@ -24,7 +24,7 @@ constexpr double delay_per_tau = 1.678347;
 constexpr double intermittent_share = 0.5;
 /// mu N dt / (2 m) over 1/xi from which regularised friction rings. Measured, docs/limits.md.
 constexpr double ringing_ratio = 10.0;
-/// Of bodies of unequal impedance the reset law gains energy where a window is more than so many times as long as a
+/// With bodies of unequal impedance the reset law gains energy where a window is more than so many times as long as a
 /// wave takes through a contact element of one body, and more than so many times as many as through one of the other.
 /// Measured, docs/contact_laws.md.
 constexpr double longest_reset_window = 5.0, most_unequal_windows = 8.0, most_unequal_impedances = 2.0;

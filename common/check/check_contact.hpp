@@ -2,7 +2,7 @@
 
 #include "common/check/check.hpp"
 
-/// What `plan` says of the contact. Internal to common/check.
+/// The lines of `plan` on the contact. Internal to common/check.
 namespace ricochet::scene {
 
 /// Penalty against the step: fills the penalty members of the plan, warns, and throws ConfigError if central

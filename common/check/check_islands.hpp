@@ -14,7 +14,7 @@ struct Islands {
   std::vector<int> elements;        ///< of each island
   int nodes = 0, shared_nodes = 0;  ///< of all islands; those that explicit elements have, too
   int slivers = 0;                  ///< islands of fewer than sliver_elements
-  /// Of the slivers, if there are any, else of all islands: the elements of least critical step, at most five,
+  /// Among the slivers, if there are any, else of all islands: the elements of least critical step, at most five,
   /// ascending, and their steps [s].
   std::vector<int> shortest;
   std::vector<double> shortest_s;

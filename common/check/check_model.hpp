@@ -2,7 +2,7 @@
 
 #include "common/check/check.hpp"
 
-/// What `plan` says of the limits of the model: small strain, small displacement, contact only where one is declared.
+/// Words of `plan` on the limits of the model: small strain, small displacement, contact only where one is declared.
 /// Internal to common/scene.
 namespace ricochet::scene {
 

@@ -20,7 +20,7 @@ double axis_of(const BodyProblem& body, int node) {
   return fem::axis_coordinate(body.section.model, body.mesh.position[at(node)]);
 }
 
-/// What an element takes up along the axis.
+/// The length that an element takes up along the axis.
 Interval extent_of(const BodyProblem& body, const fem::Element& element) {
   Interval extent;
   for (const int node : element) extent.add(axis_of(body, node));
@@ -68,7 +68,7 @@ double foot_m(const Problem& problem, const BodyProblem& body, double speed_m_s,
   return 2.0 * std::cbrt(way_m * longest_m * longest_m);
 }
 
-/// What its contact can know of a body. Without other waves than those of the contact, these have to come back.
+/// The part of a body that its contact hears of. Without other waves than those of the contact these have to come back.
 struct Reached {
   Interval interval;
   bool comes_back = false;

@@ -7,7 +7,7 @@
 
 namespace ricochet::scene {
 
-/// What `check` says about the ends of bodies that a contact hears nothing of before `time.end_s`, a line each; nothing
+/// The lines of `check` on the ends of bodies that a contact hears nothing of before `time.end_s`, a line each; nothing
 /// where it hears of everything. A wave starts at a contact surface when the bodies have met and has to come back, or
 /// at loaded, prescribed and stopped surfaces at t = 0, and runs along the axis with the fastest speed there is: the
 /// dilatational one, in bars sqrt(E/rho).

@@ -41,7 +41,7 @@ class Compliance {
   Compliance(Product product, Eigen::VectorXd bound) : product_(std::move(product)), alone_(std::move(bound)) {}
 
   [[nodiscard]] Eigen::Index size() const { return alone_.size(); }
-  /// What an unknown moves its own row by; where only the product is had, a bound.
+  /// The motion that an unknown gives its own row; where only the product is had, a bound.
   [[nodiscard]] double alone(Eigen::Index unknown) const { return alone_[unknown]; }
   /// Null if it is not dense, and if it is not sparse.
   [[nodiscard]] const Eigen::MatrixXd* dense() const { return has_columns() && !sparse() ? &dense_ : nullptr; }

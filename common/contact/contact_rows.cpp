@@ -83,7 +83,7 @@ Turn turn_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   return {true, axes_of(to).transpose() * axes_of(from)};
 }
 
-/// What acts on B in the scene's directions, on the body that the scene names second: that may be A.
+/// The force that acts on B in the scene's directions, on the body that the scene names second: that may be A.
 Turn turn_to_named(const scene::ContactGeometry& geometry, const Eigen::Vector3d& from) {
   Turn turn = turn_of(from, geometry.named_normal);
   if (geometry.second_named_first) turn = {true, -axes_of(geometry.named_normal).transpose() * axes_of(from)};

@@ -121,7 +121,7 @@ struct PartNodes {
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<PartNodes>& parts);
 [[nodiscard]] std::vector<Pair> contact_rows(const scene::Problem& problem, const std::vector<BodyState>& states);
 
-/// What a contact has been given so far, along n, t and b of its own [N s].
+/// The impulses that a contact has been given so far, along n, t and b of its own [N s].
 struct ContactImpulse {
   Eigen::Vector3d of_normal{0.0, 0.0, 0.0}, of_friction{0.0, 0.0, 0.0};
 
@@ -163,8 +163,8 @@ void book_given_motion(const Pair& pair, double normal_n, const Eigen::Vector2d&
 
 /// Books a pair's impulse to its contact and to the totals of its bodies. The normal impulse `normal_n_s` and the
 /// tangential one on B, and the opposite ones on A, change no total momentum of two bodies; what a rigid plane gives A
-/// is booked to its totals, with its moment about the origin where `u_of(part, dof)` has the nodes [m]. What a support
-/// is booked with is the force on its node, of the contact, too: that is taken back.
+/// is booked to its totals, with its moment about the origin where `u_of(part, dof)` has the nodes [m]. A support
+/// has a force booked that is the one on its node, of the contact, too: that is taken back.
 template <class Displacement>
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s, const Displacement& u_of,
                   std::vector<BodyState>& states, ContactImpulses& impulses) {

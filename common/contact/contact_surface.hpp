@@ -26,7 +26,7 @@ struct PairForce {
   void archive(Archive& a) { a(normal, tangential, state); }
 };
 
-/// What a contact's owner counts from window to window.
+/// The numbers that a contact's owner counts from window to window.
 struct ContactAccount {
   double work_normal_j = 0.0, dissipated_friction_j = 0.0;
   ContactImpulses impulses;  ///< so far
@@ -75,7 +75,7 @@ struct ContactSurface {
  private:
   void measure_pressure(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
                         std::optional<std::size_t> contact, ContactTotals& totals) const;
-  /// Of one contact, or of all.
+  /// The totals of one contact, or of all.
   [[nodiscard]] ContactTotals totals(const std::vector<BodyState>& states, const std::vector<PairForce>& forces,
                                      const ContactImpulses& impulses, std::optional<std::size_t> contact) const;
 };

@@ -6,7 +6,7 @@
 
 namespace ricochet::solver {
 
-/// What friction gives one pair, as a force [N] or as an impulse [N s], alone of all its forces unknown.
+/// The friction that one pair has, as a force [N] or as an impulse [N s], alone of all its forces unknown.
 ///   return mapping:  t = holding, clipped to |t| <= limit                                   (Eq. 9, 14, 21-24)
 ///   regularised:     t = -limit tanh(xi v), v = free_rate (1 - t / holding)                 (Eq. 14, 15)
 /// `limit` = mu times the normal force or impulse, >= 0; `free_rate`: relative tangential velocity [m/s] that the pair
@@ -18,7 +18,7 @@ namespace ricochet::solver {
 /// dimensions: the second), and holding = -W^-1 free_rate:
 ///   return mapping:  v = 0 if |holding| <= limit, else |t| = limit and v = -eta t, eta >= 0
 ///   regularised:     t = -limit tanh(xi |v|) v/|v|
-/// Of a pair that its masses let move alike in all directions the first is the radial return, t = holding
+/// If its masses let a pair move alike in all directions, the first is the radial return, t = holding
 /// limit/|holding|; else eta solves |(W + eta I)^-1 free_rate| = limit (the trust-region subproblem of More and
 /// Sorensen, 1983).
 [[nodiscard]] Eigen::Vector2d friction_of_pair(const scene::Contact& law, double limit,

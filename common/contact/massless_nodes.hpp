@@ -48,7 +48,7 @@ class MasslessNodes {
     }
   }
 
-  /// Of the window being tried: `made_j` is the energy that the normal force of a pair made. Returns the impulse on the
+  /// In the window being tried, `made_j` is the energy that the normal force of a pair made. Returns the impulse on the
   /// inward nodes of B along +n (on those of A the opposite) [N s] that takes it back, as far as one within
   /// +-`most_n_s` can, and applies it to `velocity` (by part); the rest is kept for the next window.
   double give_back(std::size_t pair, double made_j, double most_n_s, const std::vector<BodyState>& states,
@@ -59,7 +59,7 @@ class MasslessNodes {
   /// The trial's debts become final.
   void accept() { state_.debt_j = trial_debt_j_; }
 
-  /// What the next window needs beside the motion.
+  /// All that the next window needs beside the motion.
   struct State {
     RootProblem::Solution last;  ///< of `settle`, to start the next from
     std::vector<double> debt_j;  ///< per pair: energy made and not yet given back

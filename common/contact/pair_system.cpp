@@ -11,7 +11,7 @@ constexpr int max_linear_iterations = 500;
 /// memory.
 constexpr Eigen::Index multiple = 32;
 
-/// Of more unknowns a factor costs more than products until it may be used again. Measured: solids that stick with 676
+/// A factor of more unknowns costs more than products until it may be used again. Measured: solids that stick with 676
 /// pairs, 2028 unknowns.
 constexpr std::ptrdiff_t most_factored = 1000;
 /// The same of a sparse D, where products have not led to the solution.
@@ -87,7 +87,7 @@ void PairSystem::solve(const Compliance& compliance, const std::vector<PairRows>
   for (std::size_t k = 0; k < involved_.size(); ++k) x[involved_[k]] = involved_force_[static_cast<Eigen::Index>(k)];
 }
 
-/// Of the unknowns whose rows are not idle: a ball that touches with thirty of two hundred pairs has a matrix of
+/// Factors the unknowns whose rows are not idle: a ball that touches with thirty of two hundred pairs has a matrix of
 /// thirty.
 void PairSystem::compute_factor(const Compliance& compliance, Eigen::Index directions) {
   const auto pairs = static_cast<Eigen::Index>(rows_.size());

@@ -16,7 +16,7 @@ Eigen::Vector2d slip_of(const PairBlock& pair, const PairWindow& window, const E
   return window.slip_free + moved.tail<2>() + pair.slack * (x.tail<2>() - window.last);
 }
 
-/// What a pair's own tangential forces move it by, the larger of two directions, with the slack [m/N].
+/// The motion that a pair's own tangential forces give it, the larger of two directions, with the slack [m/N].
 double most_moved(const PairBlock& pair) { return pair.along.diagonal().maxCoeff() + pair.slack; }
 
 /// tau - rho slip [N], 1/rho what the pair's own forces move it by.

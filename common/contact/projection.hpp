@@ -7,12 +7,12 @@
 
 namespace ricochet::solver {
 
-/// Of one pair: what its own forces move it by, and what it has of its law.
+/// One pair: the motion that its own forces give it, and the numbers of its law.
 struct PairBlock {
   double friction_coefficient = 0.0;
   double slack = 0.0;   ///< 1/(alpha w) of a penalty, 0 of a multiplier [m/N]
   double normal = 0.0;  ///< what its normal force moves its gap by, with the slack [m/N]
-  /// What its tangential forces move it by [m/N]; zero without friction, and along what supports hold on both sides: it
+  /// Motion by its tangential forces [m/N]; zero without friction, and along what supports hold on both sides: it
   /// has no tangential forces there. In two dimensions the binormal is such a direction.
   Eigen::Matrix2d along = Eigen::Matrix2d::Zero();
 
@@ -20,7 +20,7 @@ struct PairBlock {
   [[nodiscard]] bool slides() const { return slides(0) || slides(1); }
 };
 
-/// Of one pair in one window: gap and slip at its end without contact forces, relative velocity along the surface at
+/// One pair in one window: gap and slip at its end without contact forces, relative velocity along the surface at
 /// its begin, tangential force of the window before.
 struct PairWindow {
   double gap_free = 0.0;

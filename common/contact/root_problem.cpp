@@ -21,7 +21,7 @@ constexpr int sweeps_before_newton = most_sweeps / 5;
 /// depend on each other, and their forces would be anything.
 constexpr double softness = 1e-11;
 constexpr double round_off = 1e-12;
-/// Of what a pair yields along its normal: less along its tangent is the square of round-off in its row. Supports hold
+/// Share of a pair's yielding along its normal: less along its tangent is round-off squared in its row. Supports hold
 /// it, as at an axis that nodes of a divided mesh miss by 1e-19 m.
 constexpr double held_along = round_off * round_off;
 /// Change of force by which Newton's method has settled where its rows turn.
@@ -296,7 +296,7 @@ void RootProblem::states_of_forces() {
   }
 }
 
-/// Of the present forces, `motion_` = D x, the largest change of force that would mend a condition alone [N].
+/// With `motion_` = D x of the present forces, the largest change of force that would mend a condition alone [N].
 double RootProblem::violation(const Window& window) const {
   const auto& x = solution_.force;
   double largest = 0.0;

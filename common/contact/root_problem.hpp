@@ -29,7 +29,7 @@ namespace ricochet::solver {
 /// Gauss-Seidel goes on, and Newton from there. The rest that is not solved stands in Solution::residual.
 class RootProblem {
  public:
-  /// What is a pair's own: w and mu.
+  /// The numbers that are a pair's own: w and mu.
   struct PairLaw {
     double area_m2 = 0.0;
     double friction_coefficient = 0.0;

@@ -1,4 +1,4 @@
-// What rows that are written anew keep of those before: the work of forces, and where pairs touch.
+// The quantities that rows keep when they are written anew, of those before: the work of forces, and where pairs touch.
 #include <algorithm>
 #include <map>
 #include <tuple>

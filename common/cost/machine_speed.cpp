@@ -15,7 +15,7 @@ namespace {
 /// K u of the patch of measure_speed on the machine on which docs/speed.md was measured [s].
 constexpr double reference_product_s = 6.0e-6;
 
-/// Of as many tries as some milliseconds allow, five at least.
+/// The shortest time of as many tries as some milliseconds allow, five at least.
 template <class Work>
 double least_time_s(const Work& work) {
   constexpr double enough_s = 3e-3;

@@ -17,7 +17,7 @@ struct NodeGraph {
 
 [[nodiscard]] NodeGraph node_graph(const fem::Mesh& mesh, const std::vector<bool>& of_element);
 
-/// Of the Cholesky factor of a matrix with `components` rows a node, after CHOLMOD's own order.
+/// The size of the Cholesky factor of a matrix with `components` rows a node, after CHOLMOD's own order.
 struct FactorSize {
   double entries = 0.0;
   double flops = 0.0;  ///< to find it, as CHOLMOD counts them: the sum of the squares of the columns' entries

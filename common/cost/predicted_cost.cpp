@@ -25,8 +25,8 @@ namespace {
 
 using fem::at;
 
-/// Of the machine on which docs/speed.md was measured [s]: `./ricochet bench` and runs of the shipped scenes.
-// Of participants, a window or (explicit) a step:
+/// Times of the machine on which docs/speed.md was measured [s]: `./ricochet bench` and runs of the shipped scenes.
+// Participants, a window or (explicit) a step:
 constexpr double explicit_s = 1.2e-6, implicit_s = 2.0e-6;
 constexpr double explicit_unknown_s = 1.3e-9;  // apart from K u
 constexpr double implicit_unknown_s = 8e-9;    // apart from the factor
@@ -34,22 +34,22 @@ constexpr double implicit_unknown_s = 8e-9;    // apart from the factor
 // the entry is read so many times:
 constexpr double cached_entry_s = 0.42e-9, reads = 2.3, cached_entries = 2.5e6, uncached_entries = 6.5e6;
 constexpr double root_entry_s = 0.35e-9;  // of the dense inverse of the root, in a solve
-// Of a contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.
+// A contact pair: on the implicit side; on the explicit one, there of the entries of its rows besides.
 constexpr double implicit_pair_s = 0.3e-6, explicit_pair_s = 0.12e-6, explicit_pair_entry_s = 13e-9;
-// Of a pair whose rows are written anew, where touching places of curved surfaces are sought and where not, in the
+// A pair whose rows are written anew, where touching places of curved surfaces are sought and where not, in the
 // plane and of solids; on the implicit side, of an entry of the rows times a column of the compliance besides:
 constexpr double rewritten_pair_s = 15e-6, rewritten_solid_pair_s = 70e-6, flat_share = 0.35;
 constexpr double rewritten_entry_s = 1.0e-9;
-// Of output:
+// Output:
 constexpr double explicit_row_unknown_s = 1.2e-9, implicit_row_unknown_s = 2.2e-9;  // of a row of history.csv
 constexpr double field_element_s = 0.85e-6;                                         // of a file of fields
-// Of the coupler, a window, and of what is exchanged with a value of the interface:
+// The coupler, a window, and of what is exchanged with a value of the interface:
 constexpr double coupler_s = 3.0e-6, exchange_s = 4.0e-6, exchange_value_s = 6e-9;
 /// Share of the shorter of explicit and implicit window that is computed beside the longer.
 constexpr double overlap = 0.7;
 constexpr double bytes_of_entry = 17.0;  // of the factor: CHOLMOD's and ours are there at once
 
-// Of set-up: an element, an entry of the factor (ordering it, writing it as blocks), an operation of the factorisation:
+// Set-up: an element, an entry of the factor (ordering it, writing it as blocks), an operation of the factorisation:
 constexpr double setup_element_s = 4e-6, setup_entry_s = 15e-9, setup_flop_s = 0.08e-9;
 
 constexpr int sample_elements = 8000;
@@ -102,7 +102,7 @@ double solve_of_entries_s(double entries) {
   return entries * ((1.0 - in_memory) * cached_entry_s + in_memory * std::max(cached_entry_s, reads * memory_read_s()));
 }
 
-/// What the participants of a scene, or of a baseline on it, take.
+/// The time that the participants of a scene, or of a baseline on it, take.
 class Predictor {
  public:
   Predictor(const scene::Problem& problem, double slowness, std::vector<double> rewrites)
@@ -159,14 +159,14 @@ class Predictor {
     return time_s;
   }
 
-  /// Of the rows of a contact that are written anew.
+  /// The time of the rows of a contact that are written anew.
   [[nodiscard]] double rewrite_s(std::size_t contact) const {
     const auto& geometry = problem_.contacts[contact];
     const double of_pair_s = problem_.scene.components() == 3 ? rewritten_solid_pair_s : rewritten_pair_s;
     return (geometry.flat ? flat_share : 1.0) * of_pair_s * static_cast<double>(geometry.pairs.size());
   }
 
-  /// Of what forces on these rows move, from the dense inverse of the root.
+  /// The time of the motion that forces on these rows cause, from the dense inverse of the root.
   [[nodiscard]] double compliance_s(std::size_t contact, double roots) const {
     const int components = problem_.scene.components();
     const double directions = problem_.scene.friction() ? components : 1.0;
@@ -197,7 +197,7 @@ FactorSize factor_of(const std::vector<Share>& shares) {
   return factor;
 }
 
-/// Of the file of its fields.
+/// The size of the file of its fields.
 double field_bytes(const Share& share) {
   double corners = 0.0;
   for (std::size_t e = 0; e < share.owned.size(); ++e)
@@ -205,7 +205,7 @@ double field_bytes(const Share& share) {
   return fem::vtu_bytes(share.graph.nodes(), share.elements(), corners);
 }
 
-/// Of a participant, until it is initialized: its elements, their stiffness and, of the implicit one, the factor [s].
+/// Time until a participant is initialized: its elements, their stiffness and, of the implicit one, the factor [s].
 double setup_s(const std::vector<Share>& shares, const FactorSize& factor) {
   double elements = 0.0;
   for (const Share& share : shares) elements += share.elements();

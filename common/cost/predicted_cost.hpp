@@ -6,7 +6,7 @@
 #include "common/check/check.hpp"
 #include "common/problem/problem.hpp"
 
-/// What a run would cost on this machine, before it is started.
+/// The cost that a run would have on this machine, before it is started.
 namespace ricochet::cost {
 
 struct MachineSpeed {

@@ -8,7 +8,7 @@ namespace {
 
 using fem::at;
 
-/// What moves a body from the start on: contact, interface, loads, prescribed motion.
+/// All that moves a body from the start on: contact, interface, loads, prescribed motion.
 std::vector<int> driven_nodes(const scene::Problem& problem, int index) {
   const scene::BodyProblem& body = problem.bodies[at(index)];
   const scene::Body& spec = problem.scene.bodies[at(index)];

@@ -126,7 +126,7 @@ class Lanczos {
 
   /// The largest Ritz value, never above the largest eigenvalue but for rounding.
   [[nodiscard]] Bracket largest() const { return bracket_largest_eigenvalue(t_); }
-  /// Of that value, `above`: within this of it lies an eigenvalue, beta_k |s_k| with s its vector in the Krylov basis.
+  /// Error of that value, `above`: within it lies an eigenvalue, beta_k |s_k| with s its vector in the Krylov basis.
   [[nodiscard]] double uncertainty(double above) const { return beta_ * last_component(t_, above); }
 
  private:

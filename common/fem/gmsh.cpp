@@ -98,7 +98,7 @@ std::map<GmshTag, int> take_nodes(const GmshFile& file, const std::vector<const 
   return local;
 }
 
-/// Of a polygon, positive if its corners run counter-clockwise.
+/// The area of a polygon, positive if its corners run counter-clockwise.
 double signed_area(const ElementCoordinates& x) {
   double twice = 0.0;
   for (Eigen::Index i = 2; i < x.rows(); ++i) {

@@ -10,7 +10,7 @@
 ///   volume per element where there are three components of displacement, and it locks as nu -> 1/2.
 /// All are taken with J and det J of the middle, e = (det J_0 / det J) e_0, so that none does work against a constant
 /// stress: the patch test is passed by any shape. Elasticity is linear, so K_e is as constant as any other element's.
-/// Of a material that yields it has no modes, which would follow the plastic strain, but at every point the element's
+/// With a material that yields it has no modes, which would follow the plastic strain, but at every point the element's
 /// mean volume strain (mean_volume_strain.hpp): it then bends stiffly.
 namespace ricochet::fem {
 

@@ -27,7 +27,7 @@ struct Isoparametric {
   using Gradient = Eigen::Matrix<double, nodes, 2>;
   using StrainOperator = Eigen::Matrix<double, 4, 2 * nodes>;
 
-  /// What the integrands need at one point of the element.
+  /// The values that the integrands need at one point of the element.
   struct Point {
     Eigen::Matrix<double, nodes, 1> shape;  // N_i
     Gradient gradient;                      // N_i,x  N_i,y
@@ -35,7 +35,7 @@ struct Isoparametric {
     double determinant = 0.0;               // det J
   };
 
-  /// What elements of this file have of ElementCoordinates.
+  /// The columns that elements of this file have of ElementCoordinates.
   using PlaneCoordinates = Eigen::Matrix<double, Eigen::Dynamic, 2, 0, 4, 2>;
 
   static Point point_at(const PlaneCoordinates& x, double xi, double eta) {

@@ -14,7 +14,7 @@ namespace {
 /// would at rest: with 0.01 contact forces of neighbouring nodes differ by 14 % too much (rounded striker), with 0.2
 /// they do not, and a step of a level is 0.52 of the one before.
 constexpr double nu = 0.2;
-/// Of what the steps of a level bear, in lambda tau^2: at 1 its stiffest mode would not answer to a force at all.
+/// Share of what the steps of a level bear, in lambda tau^2: at 1 its stiffest mode would not answer to a force at all.
 constexpr double level_share = 0.95;
 constexpr double raise = 1.1;
 constexpr int most_levels = 20;
@@ -174,7 +174,7 @@ void LocalSteps::spread(Eigen::VectorXd& force) {
   if (any()) step(0, force);
 }
 
-/// Of `force` as the level before numbers it, or as the part does.
+/// Steps with `force` as the level before numbers it, or as the part does.
 void LocalSteps::step(std::size_t index, Eigen::VectorXd& force) {
   Level& level = levels_[index];
   const auto size = static_cast<Eigen::Index>(level.of_before.size());

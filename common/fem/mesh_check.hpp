@@ -7,7 +7,7 @@
 
 namespace ricochet::fem {
 
-/// What makes an element unusable, with its place ("is inverted or not convex at (r, z) = ..."); nothing if it is fine.
+/// Tells why an element is unusable, and where ("is inverted or not convex at (r, z) = ..."); nothing if it is fine.
 [[nodiscard]] std::optional<std::string> element_defect(const Mesh& mesh, int element);
 
 }  // namespace ricochet::fem

@@ -12,7 +12,7 @@ struct Neighbours {
   std::vector<int> start{0}, node;
 };
 
-/// Of elements of the nodes 0 ... nodes - 1. Takes time in proportion to what it returns.
+/// The neighbours by elements of the nodes 0 ... nodes - 1. Takes time in proportion to what it returns.
 [[nodiscard]] Neighbours neighbours_of(const std::vector<Element>& elements, int nodes);
 
 }  // namespace ricochet::fem

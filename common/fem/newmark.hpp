@@ -19,7 +19,7 @@ auto predicted_displacement(const U& u, const V& v, const A& a, double dt, doubl
   return u + dt * v + (dt * dt * (0.5 - beta)) * a;
 }
 
-/// What that adds to u_n.
+/// The displacement that this adds to u_n.
 template <class V, class A>
 auto predicted_increment(const V& v, const A& a, double dt, double beta) {
   return dt * v + (dt * dt * (0.5 - beta)) * a;

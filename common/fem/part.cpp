@@ -211,7 +211,7 @@ FacePosition position_of(const Mesh& mesh, const Face& face) {
   return x;
 }
 
-/// Of a bilinear face, by two by two Gauss points.
+/// The area of a bilinear face, by two by two Gauss points.
 FaceArea quadrilateral_area(const FacePosition& x) {
   constexpr double node_xi[4] = {-1.0, 1.0, 1.0, -1.0}, node_eta[4] = {-1.0, -1.0, 1.0, 1.0};
   const double gauss = 1.0 / std::sqrt(3.0);

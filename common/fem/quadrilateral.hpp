@@ -5,7 +5,7 @@
 /// Four-node isoparametric quadrilateral, nodes counter-clockwise from (xi, eta) = (-1, -1), N_i bilinear.
 /// 2x2 Gauss points integrate N_i dV exactly for straight edges (N_i r det J is cubic in each direction), and none of
 /// them lies on the axis. det J is linear in xi and eta, so its smallest value is at a corner.
-/// Of a material that yields every point has the element's mean volume strain (mean_volume_strain.hpp).
+/// With a material that yields every point has the element's mean volume strain (mean_volume_strain.hpp).
 /// See element.hpp for the functions' meaning and units.
 namespace ricochet::fem {
 

@@ -27,7 +27,7 @@ struct Solid {
   using Coordinates = Eigen::Matrix<double, nodes, 3>;
   using StrainOperator = Eigen::Matrix<double, 6, 3 * nodes>;
 
-  /// What elements of this kind have of ElementCoordinates.
+  /// The columns that elements of this kind have of ElementCoordinates.
   static Coordinates places(const ElementCoordinates& x) {
     Coordinates places;
     for (int i = 0; i < 3 * nodes; ++i) places(i / 3, i % 3) = x(i / 3, i % 3);

@@ -21,7 +21,7 @@ struct Numbering {
 /// K u, the explicit solver's inner loop, for a fixed symmetric K of two or three components per node (of one: row by
 /// row). Three are the affair of NodeStencils.
 ///
-/// Of two components, four nodes, eight degrees of freedom, are one slice. A *slot* of a slice holds one neighbour of
+/// With two components, four nodes, eight degrees of freedom, are one slice. A *slot* of a slice holds one neighbour of
 /// each of its four nodes as two vectors of coefficients: those that multiply the neighbour's same component (xx, yy,
 /// xx, yy, ...) and those that multiply the other one (xy, yx, ...), so that a slot is y += same * u_neighbour + cross
 /// * swap(u_neighbour). Where the four neighbours are numbered in a row, as in most of any well-numbered mesh,
@@ -53,7 +53,7 @@ class StiffnessProduct {
 
   /// Share of the stored slots whose four neighbours are one load.
   [[nodiscard]] double contiguous_share() const;
-  /// Of the slices of two components: how many there are, and how many are stored.
+  /// The slices of two components: how many there are, and how many are stored.
   [[nodiscard]] int slices() const { return static_cast<int>(slots_of_.size()); }
   [[nodiscard]] int distinct_slices() const { return static_cast<int>(start_.size()) - 1; }
 
@@ -69,7 +69,7 @@ class StiffnessProduct {
     alignas(64) double same[8] = {};
     alignas(64) double cross[8] = {};
   };
-  /// What slices with the same neighbours and the same coefficients share.
+  /// The numbers that slices with the same neighbours and the same coefficients share.
   struct Slots {
     std::vector<Slot> slots;
     std::vector<Coefficients> coefficients;  ///< one per slot

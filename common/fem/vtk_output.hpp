@@ -10,7 +10,7 @@
 /// Result files that ParaView opens.
 namespace ricochet::fem {
 
-/// Of a part that yields.
+/// The plastic strain of a part that yields.
 struct PlasticStrain {
   Eigen::MatrixXd stress_pa;      ///< a column per element: what its plastic strain takes off the elastic stress
   Eigen::VectorXd equivalent;     ///< per element

@@ -1,4 +1,4 @@
-// What a session answers besides link values: motion, contact, history rows, what has left the model.
+// All that a session answers besides link values: motion, contact, history rows, what has left the model.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ void Session::record_axial_stress() {
 
 void Session::record_probes() { append_row(&Participant::probes, description_.probe_columns.size(), probe_rows_); }
 
-/// Of every window of the contact's owner; the first tells how many numbers a row has.
+/// Records every window of the contact's owner; the first tells how many numbers a row has.
 void Session::record_contact_forces() {
   if (!description_.contact_owner) return;
   force_rows_.push_back(static_cast<double>(accepted_window_));
@@ -75,7 +75,7 @@ bool Session::wants_probes(std::int64_t window) const {
   return every > 0 && !description_.probe_columns.empty() && window % every == 0;
 }
 
-/// What the participant tells of the last accepted window, behind its number. `columns`: with the window.
+/// All that the participant tells of the last accepted window, behind its number. `columns`: with the window.
 void Session::append_row(Tell tell, std::size_t columns, std::vector<double>& rows) {
   rows.push_back(static_cast<double>(accepted_window_));
   const auto before = rows.size();

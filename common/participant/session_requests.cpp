@@ -1,4 +1,4 @@
-// What a session does at each request of the coupler.
+// The deeds of a session at each request of the coupler.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ void require(bool holds, fmt::format_string<Values...> text, Values&&... values)
   if (!holds) throw ProtocolError(fmt::format(text, std::forward<Values>(values)...));
 }
 
-/// What the coupler named; `asked` says how it asked.
+/// The number or name that the coupler named; `asked` says how it asked.
 template <class E>
 E named(std::string_view asked, const std::string& text) {
   const auto found = find_named<E>(text);

@@ -1,4 +1,4 @@
-// What a session and its participant go on from.
+// The state that a session and its participant go on from.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace ricochet::participant {
 
-/// What this end of the link goes on from, beside the participant.
+/// The state that this end of the link goes on from, beside the participant.
 void Session::archive(Archive& a) {
   a(accepted_window_, fields_window_);
   a.same_size(link_);

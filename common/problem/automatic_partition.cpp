@@ -11,7 +11,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of the critical step: closer to it `check` warns that waves may grow from impact to impact.
+/// A share of the critical step: closer to it `check` warns that waves may grow from impact to impact.
 constexpr double quiet_share_squared = 0.95 * 0.95;
 
 /// Those whose own frequency squared is above `limit`, but for those inside.

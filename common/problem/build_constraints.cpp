@@ -179,7 +179,7 @@ void set_constraints(const Scene& scene, const Body& spec, BodyProblem& body) {
 
 namespace {
 
-/// Of a spin about the centre of mass: w x (X - X_c).
+/// The velocities of a spin about the centre of mass: w x (X - X_c).
 std::vector<Eigen::Vector3d> spin_velocity(const Body& spec, const BodyProblem& body) {
   std::vector<Eigen::Vector3d> velocity(body.mesh.position.size(), Eigen::Vector3d::Zero());
   const Eigen::Vector3d spin(spec.initial_angular_velocity_rad_s.data());

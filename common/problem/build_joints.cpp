@@ -9,7 +9,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of a body's extent: a position this close to a node is that node's.
+/// A share of a body's extent: a position this close to a node is that node's.
 constexpr double same_place = 1e-6;
 
 double extent_m(const fem::Mesh& mesh) {

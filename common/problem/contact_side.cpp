@@ -54,7 +54,7 @@ double whole_area(const ContactSide& side, const fem::Face& face) {
   return std::accumulate(nodal.begin(), nodal.end(), 0.0);
 }
 
-/// Of a curved surface the mean of its faces' normals; about an axis what is across it cancels. `of_all_ways`: see
+/// On a curved surface the mean of its faces' normals; about an axis what is across it cancels. `of_all_ways`: see
 /// make_side.
 Eigen::Vector3d mean_normal(const ContactContext& context, const ContactSide& side, const std::vector<double>& given,
                             const std::optional<Eigen::Vector3d>& of_all_ways) {

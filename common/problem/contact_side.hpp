@@ -18,7 +18,7 @@ inline constexpr double flat_tolerance = 1e-6;  ///< of the shortest edge; also 
 inline constexpr double chord_tolerance = 0.05;
 inline constexpr double patch_angle = std::numbers::pi / 4.0;
 
-/// What is being built: for the texts of errors and the keys of the contact.
+/// The contact that is being built: for the texts of errors and the keys of the contact.
 struct ContactContext {
   const Scene& scene;
   const Contact& contact;

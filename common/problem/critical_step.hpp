@@ -22,7 +22,7 @@ namespace ricochet::scene {
 /// size found no more exactly than the answer takes.
 [[nodiscard]] bool is_stable_step(const BodyProblem& body, const std::vector<bool>& of_element, double step_s);
 
-/// What the critical step of a part cannot exceed, and as a rule comes within a few per cent of, by a few products with
+/// A bound on the critical step of a part, which as a rule comes within a few per cent of it, by a few products with
 /// its K, `stiffness` [s]: for who is told the critical step. Infinity without elements.
 [[nodiscard]] double largest_critical_time_step(const BodyProblem& body, const fem::Part& part,
                                                 const fem::StiffnessProduct& stiffness, bool own_mass);
@@ -40,7 +40,7 @@ struct AssembledPart {
   int body = -1;  ///< index into Problem::bodies
   const fem::Part* part = nullptr;
 };
-/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks for. What
+/// Smallest critical step over a participant's parts [s], infinity without any; as exactly as `step_s` asks. One that
 /// the problem was built with is not found once more.
 [[nodiscard]] double critical_time_step(const Problem& problem, const ParticipantSpec& participant,
                                         const std::vector<AssembledPart>& parts, double step_s);

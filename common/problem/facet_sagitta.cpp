@@ -7,7 +7,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of the pair that is nearest, the node of the body.
+/// The body's node in the pair that is nearest.
 int nearest_node(const Problem& problem, const ContactGeometry& contact, const BodyProblem* body) {
   const auto nearest = std::min_element(contact.pairs.begin(), contact.pairs.end(),
                                         [](const ContactPair& p, const ContactPair& q) { return p.gap0_m < q.gap0_m; });

@@ -19,7 +19,7 @@ void scale_mass(const Scene& scene, BodyProblem& body);
 /// Adds to the mass per node of the whole body what scaling adds, in the order of body_part [kg].
 void add_scaled_mass(const BodyProblem& body, Eigen::VectorXd& mass);
 
-/// What scaling does to a body.
+/// The change that scaling makes to a body.
 struct AddedMass {
   struct AtContact {
     std::string name;  ///< of one of several contacts

@@ -186,14 +186,14 @@ struct ParticipantPart {
   int body = -1;  ///< index into Problem::bodies
   fem::Part part;
   std::vector<int> shared;  ///< local nodes shared with other participants, ascending body node
-  /// Of a share of a part (part_share): per local node, whether its rows are complete; the whole part's numbering.
+  /// For a share of a part (part_share): per local node, whether its rows are complete; the whole part's numbering.
   std::vector<bool> own;
   fem::Numbering numbering;
 };
 [[nodiscard]] std::vector<ParticipantPart> participant_parts(const Problem& problem,
                                                              const ParticipantSpec& participant);
 
-/// What of the part of one body a process steps that steps no more than the nodes `own`: the elements around them.
+/// The share of one body's part for a process that steps no more than the nodes `own`: the elements around them.
 /// `whole`: the part's nodes, `own` and `with` some of them, all as the body numbers them, ascending; `with` and the
 /// nodes of those elements are this part's nodes. Rows of K of nodes that are not `own` are left empty.
 [[nodiscard]] ParticipantPart part_share(const Problem& problem, int body, const ParticipantSpec& participant,

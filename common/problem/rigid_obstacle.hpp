@@ -4,7 +4,7 @@
 
 #include "common/problem/contact_side.hpp"
 
-/// What is rigid and stands in a body's way. Internal to common/problem.
+/// All that is rigid and stands in a body's way. Internal to common/problem.
 namespace ricochet::scene {
 
 /// A pair for each node of the surface, of a round obstacle for those that it is opposite to. It touches the surface,

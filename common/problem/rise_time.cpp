@@ -9,7 +9,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of a body's nodes of a contact, each with the shallowest element there, the largest depth along the normal [m].
+/// Among a body's nodes of a contact, each with the shallowest element there, the largest depth along the normal [m].
 double contact_depth(const BodyProblem& body, const std::vector<int>& nodes, const Eigen::Vector3d& normal) {
   std::vector<double> depth_m(body.mesh.position.size(), -1.0);
   for (const int node : nodes) depth_m[at(node)] = std::numeric_limits<double>::infinity();

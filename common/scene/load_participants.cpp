@@ -12,7 +12,7 @@
 namespace ricochet::scene {
 namespace {
 
-/// Of the bodies that the scene meshes.
+/// The names of the bodies that the scene meshes.
 std::vector<std::string> meshed_names(const Scene& scene) {
   std::vector<std::string> names;
   for (const Body& body : scene.bodies) names.push_back(body.name);
@@ -33,7 +33,7 @@ std::vector<std::string> load_groups(TableReader& table, const std::vector<std::
   return table.texts("groups");
 }
 
-/// What stands in front of the program: another program and its arguments.
+/// All that stands in front of the program: another program and its arguments.
 std::vector<std::string> load_launch(TableReader& table) {
   const auto words = table.texts("launch");
   const auto& program = words.front();

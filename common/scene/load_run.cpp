@@ -31,7 +31,7 @@ void load_transport(TableReader& table, CouplingSettings& coupling) {
   coupling.port = table.integer("port", 0, 65535, coupling.port);
 }
 
-/// What only some protocols know.
+/// Keys that only some protocols know.
 void load_protocol_settings(TableReader& table, CouplingSettings& coupling) {
   table.only_if(coupling.protocol.dual, "substeps",
                 "a dual protocol: \"prakash_hjelmstad\" or \"gravouil_combescure\"");

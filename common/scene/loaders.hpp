@@ -30,7 +30,7 @@ void load_mesh(TableReader& table, Model model, const std::string& folder,
 [[nodiscard]] bool says_foreign(TableReader& table);
 /// `scene` has its other bodies already.
 [[nodiscard]] ForeignBody load_foreign_body(TableReader& table, const Scene& scene);
-/// What does not go with foreign bodies: a baseline, and a step that is not given. Nothing without one.
+/// Refuses all that does not go with foreign bodies: a baseline, and a step that is not given. Nothing without one.
 void check_foreign_bodies(TableReader& root, TableReader& time, const Scene& scene);
 [[nodiscard]] Contact load_contact(TableReader& table, const Scene& scene, bool named);
 [[nodiscard]] Partition load_partition(TableReader& table, const Scene& scene);

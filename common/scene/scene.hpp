@@ -26,7 +26,7 @@ enum class MultiplierUpdate { fully_implicit, trapezoidal_reset, massless };
 enum class ImpactUpdate { none, impedance, mass };
 enum class FrictionLaw { return_mapping, regularised };
 
-/// What is rigid and may be the second of two surfaces.
+/// All that is rigid and may be the second of two surfaces.
 enum class Obstacle { plane, sphere, cylinder };
 
 struct Contact {
@@ -81,11 +81,11 @@ struct Time {
   [[nodiscard]] const char* key_of_sizes() const { return flight_step_s ? "flight_step_s" : "changes"; }
 };
 
-/// What a run does that turns a body by 10 degrees or strains it by 10 %.
+/// The deed of a run that turns a body by 10 degrees or strains it by 10 %.
 enum class OutsideModel { stop, go_on };
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
-/// What starts the participants.
+/// The program that starts the participants.
 enum class LaunchedBy { coupler, slurm };
 
 constexpr int most_substeps = 1000;
@@ -169,7 +169,7 @@ struct Output {
   [[nodiscard]] int probes_told_every() const;
 };
 
-/// What a run does when a participant dies, hangs or is lost.
+/// The deed of a run when a participant dies, hangs or is lost.
 enum class OnFailure { stop, resume };
 
 /// When a run saves all that it goes on from.
@@ -194,8 +194,8 @@ struct Scene {
   std::vector<ParticipantSpec> participants;  ///< never empty: defaults filled in
   Output output;
   Checkpointing checkpoint;
-  /// [accuracy]: relative errors that are asked of results, by their names; empty: none is. What the scene leaves open
-  /// of protocol, step and mesh, `ricochet run` then chooses.
+  /// [accuracy]: relative errors that are asked of results, by their names; empty: none is. Whatever the scene leaves
+  /// open of protocol, step and mesh, `ricochet run` then chooses.
   std::map<std::string, double> accuracy;
   static constexpr double most_elements_times = 64.0;
   /// [accuracy]: meshes that the choice may take, by their numbers of elements along each coordinate over those of the
@@ -216,7 +216,7 @@ struct Scene {
   }
   [[nodiscard]] bool friction() const;                           ///< of any contact
   [[nodiscard]] std::vector<std::string> contact_names() const;  ///< of several; none where there is but one
-  /// Of the bodies that it meshes, and of the foreign ones after them.
+  /// Names of the bodies that it meshes, and of the foreign ones after them.
   [[nodiscard]] std::vector<std::string> body_names() const;
   [[nodiscard]] bool is_foreign(const std::string& body) const;
   /// Its explicit elements are modes.

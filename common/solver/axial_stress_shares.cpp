@@ -17,7 +17,7 @@ fem::SparseMatrix rows_of(const fem::SparseMatrix& all, const std::vector<int>& 
   return taken;
 }
 
-/// What plastic strain takes off the axial stress of each element [Pa].
+/// The stress that plastic strain takes off the axial stress of each element [Pa].
 Eigen::VectorXd axial_plastic_stress(const BodyState& state) {
   const int axial = fem::components(state.part.mesh.model) - 1;
   Eigen::VectorXd stress(static_cast<Eigen::Index>(state.part.mesh.elements.size()));

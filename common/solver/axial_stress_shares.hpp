@@ -9,7 +9,7 @@
 
 namespace ricochet::solver {
 
-/// What a participant knows of the mean axial stress in the layers of its bodies, for output.axial_stress_every of the
+/// A participant's share of the mean axial stress in the layers of its bodies, for output.axial_stress_every of the
 /// scene: its share of the layer's mean axial stress [Pa], tension positive, for each layer in which it has elements.
 class AxialStressShares {
  public:
@@ -17,7 +17,7 @@ class AxialStressShares {
   static constexpr int most_layers = 100;
 
   AxialStressShares() = default;  ///< of no layer
-  /// Of no layer, too, if the scene does not ask. `states`: as they will be given to `append`.
+  /// The columns of no layer, too, if the scene does not ask. `states`: as they will be given to `append`.
   AxialStressShares(const scene::Problem& problem, const std::vector<BodyState>& states);
 
   /// See participant::Description::axial_stress_columns.

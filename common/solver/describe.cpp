@@ -13,7 +13,7 @@
 namespace ricochet::solver {
 namespace {
 
-/// Of the participant's elements, 0 without any. (The switch to all-explicit makes the implicit participant integrate
+/// That of the participant's elements, 0 without any. (After the switch to all-explicit the implicit one integrates
 /// its elements that way, too.)
 double found_critical_step(const scene::Problem& problem, const scene::ParticipantSpec& participant,
                            const std::vector<BodyState>& states) {

@@ -8,7 +8,7 @@
 
 namespace ricochet::solver {
 
-/// What every solver of ours says of itself: interface nodes body by body with positions and own lumped masses, scene
+/// Facts that every solver of ours tells: interface nodes body by body with positions and own lumped masses, scene
 /// hash, and the history columns: `<quantity>/<body>` for each body, and the contact columns if it owns the contact.
 /// The critical step of its elements is the one that it was told [s], 0 if it needs none; one that they cannot have is
 /// refused by ConfigError. A solver that was not told finds it.

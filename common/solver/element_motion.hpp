@@ -5,7 +5,7 @@
 
 #include "common/fem/part.hpp"
 
-/// What the watch on the model asks of an element that has moved. H: displacement gradient.
+/// The numbers that the watch on the model asks of an element that has moved. H: displacement gradient.
 namespace ricochet::solver {
 
 using Displacements = std::array<Eigen::Vector3d, fem::Element::most_nodes>;  ///< of an element's nodes [m]

@@ -219,7 +219,7 @@ void ModelWatch::look_at_stress(std::int64_t window, const std::vector<BodyState
   last_stress_look_ = window;
 }
 
-/// Of contacts whose pairs change, against the smallest depth at the pairs of the start.
+/// Looks at contacts whose pairs change, against the smallest depth at the pairs of the start.
 void ModelWatch::look_at_following(const std::vector<BodyState>& states, Worst& penetration) const {
   for (std::size_t contact = 0; contact < stretches_.size(); ++contact) {
     const Stretch& stretch = stretches_[contact];
@@ -250,7 +250,7 @@ void ModelWatch::look_at_pairs(std::int64_t window, const std::vector<BodyState>
   if (penetration.size > penetration_limit) report(Kind::penetration, part, last_look_, window, penetration);
 }
 
-/// Of a pair's nodes against each other, in edges.
+/// The slip of a pair's nodes against each other, in edges.
 double ModelWatch::slip(std::size_t pair, const std::vector<BodyState>& states) const {
   const double along = rows_[pair].tangent.times(displacement_of(states));
   const double across = rows_[pair].binormal.times(displacement_of(states));

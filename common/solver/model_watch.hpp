@@ -51,14 +51,14 @@ class ModelWatch {
   }
   [[nodiscard]] bool due(std::int64_t window) const { return window % every == 0 || stress_due(window); }
   [[nodiscard]] const std::vector<participant::Departure>& departures() const { return found_; }
-  /// What was found so far, and since when.
+  /// All that was found so far, and since when.
   void archive(Archive& a) {
     a(slipped_, last_look_, last_stress_look_, last_window_);
     a.any_size(found_);
   }
 
  private:
-  /// What an element's look needs of the reference.
+  /// The numbers that an element's look needs of the reference.
   struct Element {
     Eigen::Matrix3d inverse_diagonals;  ///< of the kind's diagonals, one a dimension; identity beyond
     double shortest_edge_m = 0.0;

@@ -63,7 +63,7 @@ class Reporting {
   /// Part of the solver's state: the same contacts separate at the same windows.
   [[nodiscard]] const SeparationWatch& separation() const { return separation_; }
   void restore(const SeparationWatch& separation) { separation_ = separation; }
-  /// What was found and kept so far.
+  /// All that was found and kept so far.
   void archive(Archive& a) { a(model_watch_, *shapes_); }
 
  private:

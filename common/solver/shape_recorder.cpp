@@ -15,7 +15,7 @@
 namespace ricochet::solver {
 namespace {
 
-/// Of a part that turns: its rotation, and how far its centre has moved.
+/// The numbers of a part that turns: its rotation, and how far its centre has moved.
 constexpr int numbers_of_frame = 12;
 
 template <class Number>

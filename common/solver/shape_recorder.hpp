@@ -52,7 +52,7 @@ class ShapeRecorder {
   void archive(Archive& a);
 
  private:
-  /// What is drawn of one part: nodes, and cells of two to four of them.
+  /// The drawing of one part: nodes, and cells of two to four of them.
   struct Drawn {
     std::string name;
     double strip_m = 0.0;                   ///< of a bar: the side of a square of its cross section

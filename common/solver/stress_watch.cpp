@@ -62,7 +62,7 @@ void take_off(const fem::StressVector& strain, Eigen::Matrix<double, dimension, 
   }
 }
 
-/// Of one stress [Pa^2, Pa].
+/// The size of one stress [Pa^2, Pa].
 struct Size {
   double von_mises_squared, tension_at_most;
 };

@@ -9,7 +9,7 @@
 
 namespace ricochet::solver {
 
-/// What is the worst of one kind in one look.
+/// The worst of one kind in one look.
 struct Worst {
   double share = 0.0;  ///< of the limit: where materials differ the largest stress need not be the worst
   double size = 0.0;

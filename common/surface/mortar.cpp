@@ -24,7 +24,7 @@ double measure_at(const SurfaceFace& face, const ShapeValues& shape) {
   return shape.dot(Eigen::Map<const Eigen::Vector4d>(face.measure.data()));
 }
 
-/// What lies opposite a face.
+/// All that lies opposite a face.
 struct OppositePiece {
   Polygon corners, opposite;  ///< in the plane of the face
   const SurfaceFace* face;    ///< that lies opposite
@@ -150,7 +150,7 @@ class OppositeFaces::RowSums {
       if ((sum.held >> c & 1U) != 0) other[c] = 0.0;
     return (first_share * sum.normal - (1.0 - first_share) * other.normalized()).normalized();
   }
-  /// What the line along the normal of a node meets; `face` is null where it meets nothing.
+  /// The place that the line along the normal of a node meets; `face` is null where it meets nothing.
   struct OppositePlace {
     double gap_m;
     const SurfaceFace* face = nullptr;

@@ -21,7 +21,7 @@
 /// test). A node j of the first surface then has one row,
 ///   gap_j = n_j . (sum_k weight_jk x_k - x_j),   weight_jk = integral psi_j phi_k / area_j,   area_j = integral phi_j
 /// with k the nodes of the second surface. Weights sum to one and, where the surfaces touch, to the place of j: forces
-/// and moments are in balance. What lies opposite is found in the plane of each face of the first surface, to which
+/// and moments are in balance. Faces opposite are found in the plane of each face of the first surface, to which
 /// those of the second are projected along n, which changes from node to node, and by which they are cut (Puso, Laursen
 /// 2004, who project along the face's normal: of two balls that puts places off by gap times slope, and the force by
 /// 0.4 % at a radius of contact of 0.12 R).

@@ -59,7 +59,7 @@ struct Channel::Impl {
   void receive_shared(Message& message, Clock::time_point begin, Deadline deadline);
   void take_answer_to_offer(const Welcome& welcome);
 
-  /// What broke the connection, by the last poll; null if nothing did.
+  /// The error that broke the connection, by the last poll; null if nothing did.
   [[nodiscard]] const char* broken() const {
     if (items[1].revents != 0) {
       return heard ? "it closed the connection"

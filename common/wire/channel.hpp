@@ -68,7 +68,7 @@ class Listener {
   explicit Listener(const std::string& endpoint, const std::vector<std::string>& participants = {},
                     std::size_t largest_message = default_largest_message);
   ~Listener();
-  /// What `name` needs to be let in.
+  /// The key that `name` needs to be let in.
   [[nodiscard]] const ParticipantKey& key_of(const std::string& name) const;
   /// Whose key the sender of the last message has; empty without keys.
   [[nodiscard]] const std::string& sender() const;

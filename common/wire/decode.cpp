@@ -21,7 +21,7 @@ const msgpack::unpack_limit limits(/*array*/ 1U << 16, /*map*/ 256, /*str*/ 1U <
                                    /*ext*/ 0,
                                    /*depth*/ 4);
 
-/// What is larger than these, with the limit; empty: something else is wrong.
+/// The first that is larger than these, with the limit; empty: something else is wrong.
 std::string size_beyond_limit(const msgpack::unpack_error& error) {
   const auto is = [&error](auto* kind) { return dynamic_cast<decltype(kind)>(&error) != nullptr; };
   const auto text = [](std::string_view what, std::size_t most, std::string_view unit) {
@@ -44,7 +44,7 @@ struct WrongValue {
 
 std::string_view text_of(const Object& object) { return {object.via.str.ptr, object.via.str.size}; }
 
-/// What a peer wrote, fit for an error text: it may be anything.
+/// The words that a peer wrote, fit for an error text: it may be anything.
 std::string quotable(std::string_view text) {
   std::string shown(text.substr(0, 60));
   for (char& c : shown) {

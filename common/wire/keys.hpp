@@ -12,7 +12,7 @@ struct KeyPair {
 /// Throws MachineError if this ZeroMQ was built without CURVE.
 [[nodiscard]] KeyPair make_key_pair();
 
-/// What a participant must know to talk to its coupler, and to be known by it.
+/// The secrets that a participant must know to talk to its coupler, and to be known by it.
 struct ParticipantKey {
   std::string coupler_public_key;
   KeyPair own;

@@ -65,7 +65,7 @@ class PrivateFolder {
   [[nodiscard]] const std::string& path() const { return path_; }
 
  private:
-  /// Of couplers of this user that were killed while participants came.
+  /// Removes folders of couplers of this user that were killed while participants came.
   static void remove_abandoned(const std::string& parent) {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(parent, ignored)) {
@@ -96,7 +96,7 @@ struct Listener::Impl {
     std::string identity;
     std::unique_ptr<SharedMemory> memory;
   };
-  /// What is known of who has said something.
+  /// All that is known of who has said something.
   struct Sender {
     std::string name;              ///< whose key it has
     int descriptor = -1;           ///< of its connection

@@ -206,7 +206,7 @@ struct ContactReport {
   }
 };
 
-/// What is told of windows when they are final.
+/// The news of windows when they are final.
 struct AcceptedWindow : Records, ContactReport {
   Array outline;  ///< rows x (2 + components): index into `bodies`, node of the body's mesh, displacement [m]
 };

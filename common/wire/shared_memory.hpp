@@ -22,7 +22,7 @@ class SharedMemory {
   SharedMemory& operator=(const SharedMemory&) = delete;
   ~SharedMemory();
 
-  /// What `hello` says of it: where it is, and the random number that tells it from everything else there.
+  /// The words of `hello` on it: where it is, and the random number that tells it from everything else there.
   [[nodiscard]] std::string path() const;
   [[nodiscard]] std::int64_t key() const;
 

@@ -7,7 +7,7 @@
 
 #include "common/wire/channel.hpp"
 
-/// What both ends of a ZeroMQ connection do with their sockets.
+/// The settings that both ends of a ZeroMQ connection give their sockets.
 namespace ricochet::wire {
 
 [[nodiscard]] zmq::socket_t make_socket(zmq::context_t& context, zmq::socket_type type);

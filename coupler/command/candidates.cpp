@@ -43,7 +43,7 @@ std::string why_no_pilot(const GivenScene& given, const scene::Scene& scene, con
   }
 }
 
-/// What baselines would cost. Where the scene leaves the protocol open, its step may be one that the default protocol
+/// Cost of the baselines. Where the scene leaves the protocol open, its step may be one that the default protocol
 /// does not bear, and another mesh may not bear the scene's.
 cost::PredictedCost predict_baselines(GivenScene given, const scene::Problem& problem,
                                       const cost::MachineSpeed& speed) {

@@ -166,7 +166,7 @@ int check_contract(const Arguments& arguments) {
   return static_cast<int>(passed ? ExitCode::done : ExitCode::protocol);
 }
 
-/// What may follow the command's name.
+/// The arguments that may follow the command's name.
 struct Subcommand {
   const char* name;
   const char* description;
@@ -174,7 +174,7 @@ struct Subcommand {
   int (*run)(const Arguments& arguments);  ///< returns the exit code; null: known to the script ./ricochet alone
 };
 
-/// What a subcommand does that ends with exit code 0 or throws.
+/// The callback of a subcommand that ends with exit code 0 or throws.
 template <auto action>
 int done(const Arguments& arguments) {
   action(arguments);
@@ -237,7 +237,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// What CLI11 could not place: an unknown command, or an unknown option of the command that was given.
+/// Refuses a word that CLI11 could not place: an unknown command, or an unknown option of the command that was given.
 [[noreturn]] void refuse_extra(const CLI::App& app) {
   const auto named = app.get_subcommands();
   const CLI::App& command = named.empty() ? app : *named.front();

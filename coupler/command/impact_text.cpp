@@ -51,7 +51,7 @@ bool held(const scene::Body& body, const Eigen::Vector3d& normal) {
   });
 }
 
-/// Of the gap g0 + r^2/(2R) near the first place of contact, and which share of the round patch there is: in a solid
+/// The gap g0 + r^2/(2R) near the first place of contact, and which share of the round patch there is: in a solid
 /// that is cut along its planes of symmetry a half or a quarter.
 struct Curvature {
   double radius_m = 0.0, share = 1.0;
@@ -141,7 +141,7 @@ void warn(const Excess& e, const std::string& body, std::vector<std::string>& wa
                   e.speed_m_s * std::pow(e.limit_pa / e.stress_pa, 1.0 / e.power)));
 }
 
-/// Of surfaces that are flat, force F = v / sum 1/(rho c A): the stress F/A runs along the body, and comes back from a
+/// Flat surfaces: force F = v / sum 1/(rho c A): the stress F/A runs along the body, and comes back from a
 /// free end with the other sign.
 void warn_of_flat(const scene::Problem& problem, const scene::ContactGeometry& contact, double speed_m_s,
                   std::vector<std::string>& warnings) {
@@ -165,7 +165,7 @@ void warn_of_flat(const scene::Problem& problem, const scene::ContactGeometry& c
   }
 }
 
-/// Of surfaces that are round: a metal yields first, below the surface, where p_max is 1.6 times its yield stress; the
+/// Round surfaces: a metal yields first, below the surface, where p_max is 1.6 times its yield stress; the
 /// rim of the patch has a tension of (1 - 2 nu)/3 p_max. Johnson, Contact Mechanics, 3.4 and 6.1.
 void warn_of_round(const scene::Problem& problem, const scene::ContactGeometry& contact, const Impact& impact,
                    double speed_m_s, std::vector<std::string>& warnings) {

@@ -13,7 +13,7 @@ namespace ricochet::coupler {
 /// Relative errors that are asked of results, by their names as `error_bar` has them (values_of).
 using AskedErrors = std::map<std::string, double>;
 
-/// What a choice may vary.
+/// The settings that a choice may vary.
 struct Freedom {
   std::vector<std::string> protocols;      ///< empty: the scene's and the baselines
   std::vector<double> steps_s;             ///< of all but all_explicit

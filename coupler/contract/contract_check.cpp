@@ -301,7 +301,7 @@ void Contract::outlives_no_coupler(bool silent) {
   if (end->signal == 0 && end->exit_status == 0) fail("it ended with exit code 0, as if all were well");
 }
 
-/// What the key interface_nodes of a foreign body reads: a row per node, to the last bit.
+/// Writes the file that the key interface_nodes of a foreign body reads: a row per node, to the last bit.
 void write_interface_nodes(const ContractCommand& command, const std::string& path) {
   ContractPeer peer(command);
   ContractRun run;

@@ -27,7 +27,7 @@ struct UnitResponses {
   double nonlinear = 0.0;  ///< change by all inputs at once, twice as large and turned round: off by so much of it
 };
 
-/// Of a matrix that should be one of unit responses. Returns what is worth saying of a body that is not linear.
+/// Looks at a matrix that should be one of unit responses. Returns what is worth saying of a body that is not linear.
 std::string check_symmetry(const ContractRun& run, const std::vector<std::size_t>& rows, const UnitResponses& responses,
                            const std::string& answer, const std::string& sign) {
   const auto& matrix = responses.matrix;
@@ -101,7 +101,7 @@ ContractDrive forced(ContractDrive drive) {
   return drive;
 }
 
-/// Of who is driven by force the acceleration at the present time is M^-1 times it, which is symmetric whatever the
+/// Where force drives, the acceleration at the present time is M^-1 times it, which is symmetric whatever the
 /// masses only if rows are nodes.
 std::string accelerate_as_pushed(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first) {
   const auto rows = probed_rows(first.size());

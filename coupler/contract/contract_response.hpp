@@ -44,7 +44,7 @@ std::string take_interface_stiffness(const ContractCommand& command, const Contr
                                      const ContractRun& first);
 /// By central differences displacements follow from what was before: u_n+1 = u_n + dt v_n + dt^2/2 a_n.
 std::string switch_integration(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first);
-/// What `load_state` was given `read_state` tells, and a window is linear in state and link input.
+/// `read_state` tells what `load_state` was given, and a window is linear in state and link input.
 std::string load_their_motion(const ContractCommand& command, const ContractDrive& drive, const ContractRun& first);
 
 }  // namespace ricochet::coupler

@@ -25,7 +25,7 @@ struct ContractDrive {
   std::vector<double> inputs{};  ///< link input, (windows + 1) x nodes x components, in place of the one made here
 };
 
-/// What came of it. Vectors are concatenated over the windows, from the first synchronisation on.
+/// The outcome of a trial. Vectors are concatenated over the windows, from the first synchronisation on.
 struct ContractRun {
   wire::Hello hello;
   wire::Description description;

@@ -15,7 +15,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-/// Of the largest value of a quantity.
+/// A share of the largest value of a quantity.
 constexpr double tolerance = 1e-3;
 
 Values difference(Values a, const Values& b) {
@@ -60,7 +60,7 @@ std::vector<std::size_t> rows_beside(const ContractRun& a, const ContractRun& b)
   return rows;
 }
 
-/// What is furthest from the shipped solver's, in shares of the largest value of its quantity.
+/// The values that are furthest from the shipped solver's, in shares of the largest value of its quantity.
 struct Furthest {
   double share = 0.0;
   std::string text = "all numbers are equal";

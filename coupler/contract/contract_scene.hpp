@@ -14,7 +14,7 @@ class ContractScene {
   /// `problem` must outlive it. ConfigError if the scene has no participant of that name.
   ContractScene(const scene::Problem& problem, const std::string& name);
 
-  /// What starts the participant that is tested: `words`, or the scene's own program for it, with the arguments of a
+  /// Starts the participant that is tested: `words`, or the scene's own program for it, with the arguments of a
   /// run.
   [[nodiscard]] std::vector<std::string> command(std::vector<std::string> words) const;
   /// Driven as the scene's protocol drives it.
@@ -30,7 +30,7 @@ class ContractScene {
  private:
   [[nodiscard]] PeerDescription description_of(const ContractRun& run) const;
   void require_no_difference() const;
-  /// Of a foreign body the scene has no elements, and no solver of ours computes it.
+  /// The scene has no elements of a foreign body, and no solver of ours computes it.
   void require_meshed_bodies() const;
   const scene::Problem& problem_;
   const scene::ParticipantSpec& participant_;

@@ -88,7 +88,7 @@ class Coupling {
   /// `scale`: what makes each number the root of an energy.
   void read_state(std::vector<double>& state, std::vector<double>& scale);
 
-  /// What every participant goes on from after the last accepted window, in the scene's order. Needs the capability
+  /// The state of every participant after the last accepted window, in the scene's order. Needs the capability
   /// "save_state" of each.
   [[nodiscard]] std::vector<std::string> save_states();
   /// Right after the start of another run of the scene: back to where they were saved, and with `archive` this end too.

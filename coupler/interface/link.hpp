@@ -11,7 +11,7 @@
 
 namespace ricochet::coupler {
 
-/// What one step of a protocol covers.
+/// The span that one step of a protocol covers.
 struct Step {
   std::int64_t accepted_window = 0;  ///< the last one; the step computes from the next on
   std::int64_t windows = 1;          ///< how many; more than one only without a coupling (baselines)
@@ -63,7 +63,7 @@ class Link {
   /// In a run that has just been started: the participant goes on from there, and so does this end with `archive`.
   void post_restore_state(const std::string& saved);
   void wait_state_restored();
-  /// What this end goes on from, between windows.
+  /// Reads or writes the state that this end goes on from, between windows.
   void archive(Archive& a);
   /// `input` at the end of the step: displacement [m] or force [N], by which the participant is driven.
   void post_advance(const Step& step, const std::vector<double>& input, Acceptance acceptance);
@@ -87,7 +87,7 @@ class Link {
   [[nodiscard]] double largest_drift() const { return largest_drift_; }
   [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
   [[nodiscard]] double setup_s() const { return setup_s_; }
-  /// What has left the model as the participant last said, rows of wire::departure_columns numbers.
+  /// All that has left the model as the participant last said, rows of wire::departure_columns numbers.
   [[nodiscard]] const wire::Array& departures() const { return departures_; }
   /// Where nodes of outlines were when history rows last came; see the field `outline`.
   [[nodiscard]] const wire::Array& outline() const { return outline_; }

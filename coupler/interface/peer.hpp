@@ -8,7 +8,7 @@
 
 namespace ricochet::coupler {
 
-/// What a participant says of itself, under the name and in the role that the scene gives it.
+/// The words of a participant on itself, under the name and in the role that the scene gives it.
 struct PeerDescription : wire::Description {
   std::string participant;
   Role role = Role::explicit_solver;

@@ -39,7 +39,7 @@ fs::path shipped_path(const scene::ParticipantSpec& participant) {
   return self.parent_path() / shipped_program(participant);
 }
 
-/// What starts the processes of a participant that has several.
+/// The command that starts the processes of a participant that has several.
 std::vector<std::string> mpirun(int ranks) {
   std::vector<std::string> words = {"mpirun", "-n", std::to_string(ranks), "--oversubscribe", "--bind-to", "none"};
   if (geteuid() == 0) words.insert(words.begin() + 1, "--allow-run-as-root");

@@ -41,7 +41,7 @@ double diagonal_m(const fem::Mesh& mesh) {
   return (high - low).norm();
 }
 
-/// What a scene would lack.
+/// The parts of a scene that it would lack.
 struct Lack {
   const char* what;
   std::function<void(scene::Body&)> take_away;
@@ -132,7 +132,7 @@ void FirstWindows::match_rows(const participant::Description& reference) {
   if (std::find(taken.begin(), taken.end(), false) != taken.end()) compared_.assign(compared_.size(), false);
 }
 
-/// What Coupling has told the participant, in the solver's rows.
+/// Keeps what Coupling has told the participant, in the solver's rows.
 void FirstWindows::prepare_setup(const Coupling& coupling) {
   const auto& scene = problem_.scene;
   setup_.protocol = scene.coupling.protocol.name;

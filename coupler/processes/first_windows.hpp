@@ -11,7 +11,7 @@
 
 namespace ricochet::coupler {
 
-/// What a program of somebody else's answers in the first windows, against the shipped solver, which computes the
+/// The answers of a program of somebody else's in the first windows, against the shipped solver, which computes the
 /// scene's own elements beside it in this process from the same link input: steps, loads, supports, initial velocities
 /// and elements behind the interface show in nothing that is asked before time passes.
 ///
@@ -20,7 +20,7 @@ namespace ricochet::coupler {
 /// `differing_bodies` are left out; of an implicit participant, whose bodies meet, all are then.
 class FirstWindows {
  public:
-  /// Of a participant that is synchronised at the start and whose places and masses agree with the scene's; null: there
+  /// For one that is synchronised at the start and whose places and masses agree with the scene's; null: there
   /// is nothing to compare, or nobody can compute it here. `critical_step_s`: what the shipped solver is told.
   [[nodiscard]] static std::unique_ptr<FirstWindows> of(const scene::Problem& problem, const Coupling& coupling,
                                                         const Link& link, double critical_step_s);
@@ -33,7 +33,7 @@ class FirstWindows {
 
  private:
   using Values = std::vector<double>;
-  /// What is compared of one answer: force, or displacement, velocity and acceleration.
+  /// The quantities that are compared of one answer: force, or displacement, velocity and acceleration.
   struct Quantity {
     std::string name, unit;
     double scale;  ///< largest expected so far, and at first what rounding makes

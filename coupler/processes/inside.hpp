@@ -23,7 +23,7 @@ class Inside {
 
   /// See Session.
   void on_progress(participant::TellProgress tell) { session_.on_progress(std::move(tell)); }
-  /// What it is to do next; swapped with what it was asked before.
+  /// Takes what it is to do next; swapped with what it was asked before.
   void take(wire::Message& request);
   /// Does what it was asked, and is still to be done; true if `answer` then holds an answer. Throws nothing: what goes
   /// wrong is in the answer, a `failure`, as if the participant had sent it.

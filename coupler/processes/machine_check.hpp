@@ -13,7 +13,7 @@ namespace ricochet::coupler {
 /// the size of its file.
 [[nodiscard]] double memory_need_bytes(const scene::Scene& scene);
 [[nodiscard]] double memory_need_bytes(const scene::Problem& problem);
-/// What there is [bytes]: free or easily freed memory, or the limit of this process if that is less.
+/// The memory that there is [bytes]: free or easily freed memory, or the limit of this process if that is less.
 [[nodiscard]] double memory_available_bytes();
 /// "memory: about 1.2 GB needed, 7.8 GB available".
 [[nodiscard]] std::string memory_text(double need_bytes);
@@ -22,7 +22,7 @@ namespace ricochet::coupler {
 /// descriptors do not suffice.
 [[nodiscard]] scene::Problem load_problem(const std::string& path);
 
-/// What to know of the address at which the scene's coupler listens; empty: nobody but this machine can reach it.
+/// A warning of the address at which the scene's coupler listens; empty: nobody but this machine can reach it.
 [[nodiscard]] std::string address_warning(const scene::Scene& scene);
 
 }  // namespace ricochet::coupler

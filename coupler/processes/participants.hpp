@@ -10,13 +10,13 @@
 #include "coupler/protocols/settings.hpp"
 #include "coupler/results/results_directory.hpp"
 
-/// What a scene says of its processes and to its participants; `run` and `stability` share it.
+/// The words of a scene on its processes and to its participants; `run` and `stability` share it.
 namespace ricochet::coupler {
 
-/// What the scene says to its protocol.
+/// The settings that the scene has for its protocol.
 [[nodiscard]] ProtocolSettings protocol_settings(const scene::CouplingSettings& coupling);
 
-/// What the scene says to its participants, but for what is told to each one alone.
+/// The message of the scene to its participants, but for what is told to each one alone.
 [[nodiscard]] wire::Initialize initialize_request(const scene::Problem& problem, std::int64_t last_window,
                                                   const std::string& output_directory);
 

@@ -1,4 +1,4 @@
-// What is said of a peer that failed, broke the protocol or fell silent.
+// The errors for a peer that failed, broke the protocol or fell silent.
 #include <fmt/format.h>
 
 #include "common/base/error.hpp"

@@ -241,7 +241,7 @@ void Peers::hear_last_words(Remote& peer) {
   }
 }
 
-/// Of a process that was launched here more can be told when it has ended; of others the connection is all there is.
+/// More can be told of a process that was launched here when it has ended; of others the connection is all there is.
 /// Whoever launched one on another machine may know why it ended, but not if that machine is gone. A message beyond
 /// the limit is not received: ZeroMQ closes its connection.
 void Peers::check_connections() {

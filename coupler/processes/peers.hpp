@@ -32,7 +32,7 @@ struct ExpectedPeer {
 /// The last words of a process that ended are in the socket after this time [s].
 inline constexpr double drain_s = 0.25;
 
-/// What all peers of a run have in common.
+/// The identity that all peers of a run have in common.
 struct RunIdentity {
   std::string run_id;
   std::string scene_sha256;
@@ -76,7 +76,7 @@ class Peers {
   [[nodiscard]] const std::string& name(std::size_t index) const { return peers_[index].expected.name; }
   [[nodiscard]] bool inside(std::size_t index) const { return peers_[index].expected.inside; }
   [[nodiscard]] std::int64_t process_id(std::size_t index) const { return peers_[index].process_id; }
-  /// What carries the messages to and from this peer; empty until its hello.
+  /// The transport that carries the messages to and from this peer; empty until its hello.
   [[nodiscard]] std::optional<Transport> transport(std::size_t index) const { return peers_[index].transport; }
   /// Time that the coupler waited for this peer [s], and the spans it consists of (the first `max_spans`).
   [[nodiscard]] double waited_for_s(std::size_t index) const { return peers_[index].waited_s; }

@@ -27,7 +27,7 @@ std::vector<ExpectedPeer> expected_peers(const std::vector<Member>& members) {
   return expected;
 }
 
-/// What each says of itself, and that they do not contradict each other.
+/// Looks at what each says of itself, and whether they contradict each other.
 void check_descriptions(const std::vector<PeerDescription>& descriptions) {
   std::string owner;
   for (const auto& description : descriptions) {

@@ -56,7 +56,7 @@ class ProcessSet {
   void launch();
   /// Waits until everybody has said hello: Peers::handshake.
   void meet();
-  /// What every participant says of itself, in the order of the members, with `participant` and `role` filled in; from
+  /// Every participant's word on itself, in the order of the members, with `participant` and `role` filled in; from
   /// here on nobody may send more than follows from it. ProtocolError if what they say cannot be.
   [[nodiscard]] std::vector<PeerDescription> describe();
   /// Waits until the launched processes have ended; ParticipantError naming the first that does not, or not with exit

@@ -13,7 +13,7 @@ namespace ricochet::coupler {
 /// "ipc://*", a socket in a folder that only this user may enter.
 [[nodiscard]] std::string listen_endpoint(const scene::CouplingSettings& coupling);
 
-/// What a participant on this machine connects to, given what the listener is bound to: "any address" becomes loopback.
+/// The address for participants on this machine, given what the listener is bound to: "any address" becomes loopback.
 [[nodiscard]] std::string local_endpoint(const std::string& bound);
 
 /// The address that a participant on another machine would connect to: "any address" becomes this machine's name.

@@ -7,7 +7,7 @@
 
 namespace ricochet::coupler {
 
-/// What the dual protocols share: duplicated nodes with own masses, tied by an interface multiplier lambda [N] (on the
+/// Common to the dual protocols: duplicated nodes with own masses, tied by an interface multiplier lambda [N] (on the
 /// explicit side; the implicit side feels -lambda) so that velocities agree at the end of a step:
 ///   Pi v_implicit = v_explicit,   v_explicit = v_free + H (lambda - lambda_held)
 /// v_free: velocity with lambda held from the start of the step; H [m/s/N]: interface operator of an explicit
@@ -35,7 +35,7 @@ class DualInterface {
 
   /// Trial of all explicit participants with the multipliers held; finds v_free.
   void advance_free(const Step& step);
-  /// What the implicit participant is to be given after `advance_free`, shared numbering [N]:
+  /// The forces that the implicit participant is to be given after `advance_free`, shared numbering [N]:
   /// lambda_held - Z (v_free + v_n) - S u_n.
   [[nodiscard]] const std::vector<double>& held_force(const Coupling& coupling);
   /// lambda = lambda_held + Z (v - v_free) for all explicit participants, which accept it. `velocity`: of the shared

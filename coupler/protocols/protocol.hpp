@@ -21,9 +21,9 @@ class Protocol {
   virtual void reconfigure(Coupling& coupling) { coupling.reconfigure(); }
   /// Computes and accepts the windows after `step.accepted_window` on every participant.
   virtual void step(Coupling& coupling, const Step& step) = 0;
-  /// What it goes on from between windows, beside the coupling and what `start` makes.
+  /// Reads or writes what it goes on from between windows, beside the coupling and what `start` makes.
   virtual void archive(Archive& /*a*/) {}
-  /// What is worth knowing after the run, for its summary; empty: nothing.
+  /// All that is worth knowing after the run, for its summary; empty: nothing.
   [[nodiscard]] virtual std::string note() const { return ""; }
 };
 

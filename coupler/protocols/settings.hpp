@@ -4,10 +4,10 @@
 
 namespace ricochet::coupler {
 
-/// What a scene says to its protocol; each protocol looks at its own.
+/// The settings that a scene has for its protocol; each protocol looks at its own.
 struct ProtocolSettings {
   int substeps = 1;  ///< dual protocols: explicit steps in a window
-  // Of fixed_point.
+  // Those of fixed_point.
   std::string acceleration = "iqn_ils";
   double relaxation = 0.5;
   double tolerance = 1e-10;

@@ -9,7 +9,7 @@
 namespace ricochet::coupler {
 namespace {
 
-/// Of the largest answer: rounding is far below, what is not linear far above.
+/// A share of the largest answer: rounding is far below, what is not linear far above.
 constexpr double tolerance = 1e-6;
 
 void require_symmetric(const std::string& participant, const Eigen::MatrixXd& matrix) {

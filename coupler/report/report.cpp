@@ -82,7 +82,7 @@ void add_limits(HistoryTable& table, const Json& summary) {
   }
 }
 
-/// What the dotted lines are; empty if there are none.
+/// A text on the dotted lines; empty if there are none.
 std::string events_text(const std::vector<Event>& events) {
   std::string list, last;
   for (const auto& event : events) {

@@ -60,7 +60,7 @@ Json told(const std::string& participant, const std::string& bytes) {
 
 Json told(const Beginning& beginning) { return {{"bytes", beginning.bytes}, {"sha256", beginning.sha256}}; }
 
-/// What the digest of a manifest is of: all that it says, but that and its signature.
+/// The digest of a manifest covers all that it says, but that and its signature.
 std::string digest_of(Json manifest) {
   manifest.erase("sha256");
   manifest.erase("signature");

@@ -44,7 +44,7 @@ class CheckpointFolder {
   explicit CheckpointFolder(std::string path) : path_(std::move(path)) {}
 
   static constexpr int kept = 2;
-  /// What a run may write, in the form of OwnFiles::claim, below the folder of its results.
+  /// The files that a run may write, in the form of OwnFiles::claim, below the folder of its results.
   [[nodiscard]] static std::vector<std::string> names(const std::vector<std::string>& participants);
 
   /// On the disk, with everything that was written to this file system before, when it returns; then older ones go.

@@ -8,7 +8,7 @@
 
 namespace ricochet::coupler {
 
-/// What is kept of one of several contacts for the end of a run.
+/// The numbers that are kept of one of several contacts for the end of a run.
 struct ContactResult {
   std::string name;
   ForceTally forces;

@@ -12,7 +12,7 @@
 
 namespace ricochet::coupler {
 
-/// What is kept of a contact force, window by window, for the end of a run.
+/// The numbers that are kept of a contact force, window by window, for the end of a run.
 ///
 /// First contact and separation are events of a force above a level, `level_share` of the largest one: forces of
 /// bodies that only touch are rounding. The level is known at the end alone, so the windows are kept in which the force
@@ -54,7 +54,7 @@ class ForceTally {
   [[nodiscard]] const Peak& largest() const { return largest_; }
   /// Empty if no contact lasted longer than 2h/c.
   [[nodiscard]] std::optional<Peak> settled() const;
-  /// Of the first window above the level [N].
+  /// The force of the first window above the level [N].
   [[nodiscard]] double first_window_n() const { return rises_.empty() ? 0.0 : rises_.front().force_n; }
   [[nodiscard]] double gauge_n() const { return gauge_n_; }
   [[nodiscard]] double rise_time_s() const { return rise_time_s_; }

@@ -148,7 +148,7 @@ History::Column History::parse(const std::string& column, const std::string& par
       fmt::format("participant '{}' announces the unknown history column \"{}\" ({})", participant, column, names));
 }
 
-/// Of a body or of one of several contacts.
+/// The column of a body or of one of several contacts.
 std::optional<History::Column> History::parse_named(const std::string& quantity, const std::string& name) const {
   Column parsed;
   const auto body = std::find(bodies_.begin(), bodies_.end(), name);

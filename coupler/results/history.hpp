@@ -36,7 +36,7 @@ struct HistoryRow {
 /// + plastic work of the first row.
 class EnergyBalance {
  public:
-  /// Of this row [J].
+  /// The energy that this row has created [J].
   double created_j(const HistoryRow& row);
   /// max(E_0, largest |external| so far) [J]
   [[nodiscard]] double reference_j() const { return std::max(first_j_.value_or(0.0), largest_work_j_); }

@@ -9,7 +9,7 @@
 
 namespace ricochet::coupler {
 
-/// What a scene has columns for.
+/// The parts of a scene that have columns.
 struct HistoryShape {
   std::vector<std::string> bodies{};
   bool has_contact = false;             ///< else the gap is written as nan

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What /proc/locks says of a lock of a file: "12: FLOCK ADVISORY WRITE 4711 08:01:131 0 EOF", process and inode among
+/// Reads a line of /proc/locks on a file: "12: FLOCK ADVISORY WRITE 4711 08:01:131 0 EOF", process and inode among
 /// it. 0 if no process holds one that can be seen from here.
 pid_t holder_of_lock(ino_t inode) {
   std::ifstream locks("/proc/locks");

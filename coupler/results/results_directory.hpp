@@ -11,7 +11,7 @@
 
 namespace ricochet::coupler {
 
-/// What becomes of the files that former runs left.
+/// The fate of the files that former runs left.
 enum class Former { removed, kept };
 
 /// Where a run writes. Holds a lock as long as the run lasts (on the directory itself: no lock file that could become

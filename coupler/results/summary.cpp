@@ -67,7 +67,7 @@ Json theory_json(const ImpactTheory& theory) {
 /// The force to quote: that after 2h/c, or the largest there is.
 ForceTally::Peak headline(const ForceTally& forces) { return forces.settled().value_or(forces.largest()); }
 
-/// Of one contact, or of all together.
+/// Writes the forces of one contact, or of all together.
 void put_forces(const ForceTally& forces, Json& json) {
   json["first_contact_s"] = number(forces.first_contact_s());
   json["separation_time_s"] = number(forces.separation_time_s());
@@ -136,7 +136,7 @@ std::string force_rows(const ForceTally& forces) {
                                               ForceTally::level_share));
 }
 
-/// Of a run in which nothing was in contact.
+/// The line for a run in which nothing was in contact.
 std::string no_contact_row(const Tally& tally) {
   if (!tally.forces) return row("contact", "none in this scene");
   const bool gap_known = tally.gap_smallest_m < std::numeric_limits<double>::max();

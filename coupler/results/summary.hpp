@@ -74,9 +74,9 @@ struct Summary {
 
 /// The text of summary.json.
 [[nodiscard]] std::string to_json(const Summary& summary, const Tally& tally);
-/// What the user is told of contact forces that were not found; empty if all were.
+/// The line for the user on contact forces that were not found; empty if all were.
 [[nodiscard]] std::string contact_warning(const Tally& tally);
-/// What the user is told of windows that are too long for their substeps: dual protocols tie velocities at the end of a
+/// The line for the user on windows that are too long for their substeps: dual protocols tie velocities at the end of a
 /// window, and within it the two sides of the interface go apart, against the forces there. The energy that this makes
 /// or loses is about the error of forces and rebound; from `largest_interface_energy` on it is said. Empty if less,
 /// with one substep, and where not everybody tells.

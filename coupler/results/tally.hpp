@@ -46,7 +46,7 @@ struct PlasticTally {
   void archive(Archive& a) { a(work_j, largest_equivalent_strain, hottest_k); }
 };
 
-/// What is kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
+/// Numbers kept of the history for the end of a run: extremes, and the mean interface stress on the plateau, that is
 /// from 15 % to 65 % of 2L/c after the first contact, and not beyond the first step of the stress.
 class Tally {
  public:
@@ -56,7 +56,7 @@ class Tally {
                  std::vector<ContactResult> contacts = {})
       : forces(std::move(of_all)), each_contact(std::move(contacts)), solid_(solid), theory_(std::move(theory)) {}
 
-  /// Of each contact over a window [N]; windows ascend.
+  /// Takes the force of each contact over a window [N]; windows ascend.
   void add_forces(std::int64_t window, const double* force_n) {
     double sum = 0.0;
     for (std::size_t i = 0; i < std::max<std::size_t>(each_contact.size(), 1); ++i) {

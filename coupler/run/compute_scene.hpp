@@ -12,7 +12,7 @@
 
 namespace ricochet::coupler {
 
-/// What `run_scene` does once the scene is accepted, without report.html and without a word but the progress: one run
+/// The work of `run_scene` once the scene is accepted, without report.html and without a word but the progress: one run
 /// into `results`, from the start or `from` a checkpoint on. With on_failure = "resume" it begins again from the last
 /// checkpoint when a participant is lost. Returns the table of its end. The problem's clock becomes that of the windows
 /// there were.
@@ -22,7 +22,7 @@ std::string compute_scene(scene::Problem& problem, const scene::Plan& plan, cons
 /// The last whole checkpoint in a folder of results, if it is of this very scene. Says on stderr which are damaged.
 [[nodiscard]] std::optional<Checkpoint> checkpoint_of(const std::string& results, const scene::Scene& scene);
 
-/// What a run of the scene may write into its results folder, for ResultsDirectory.
+/// The files that a run of the scene may write into its results folder, for ResultsDirectory.
 [[nodiscard]] std::vector<std::string> files_of_run(const scene::Scene& scene);
 
 /// Status of a run that an error ended, as in summary.json.

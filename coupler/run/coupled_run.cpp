@@ -301,7 +301,7 @@ void CoupledRun::take_records(std::int64_t window) {
   outside_.stop_if_wrong();
 }
 
-/// Of every window, whatever rows there are.
+/// Takes those of every window, whatever rows there are.
 void CoupledRun::take_contact_forces(const std::vector<double>& rows, std::optional<double> valid_until_s) {
   const std::size_t width = 1 + std::max<std::size_t>(tally_.each_contact.size(), 1);
   forces_told_ = forces_told_ || !rows.empty();
@@ -311,7 +311,7 @@ void CoupledRun::take_contact_forces(const std::vector<double>& rows, std::optio
   }
 }
 
-/// Of an owner of the contact that does not tell every window's.
+/// For an owner of the contact that does not tell every window's.
 void CoupledRun::add_forces(const HistoryRow& row) {
   std::vector<double> forces;
   for (const auto& contact : row.contact.contacts) forces.push_back(contact.contact_force_n);

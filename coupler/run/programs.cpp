@@ -61,7 +61,7 @@ double extent(const scene::Problem& problem) {
 /// No two neighbouring rows alike, [0.5, 1.5).
 double weight(std::size_t row) { return 0.5 + std::fmod(0.618 * static_cast<double>(row), 1.0); }
 
-/// What it answers to another link input: its force to a displacement; its velocity after a window with a force, where
+/// Its answer to another link input: its force to a displacement; its velocity after a window with a force, where
 /// it can repeat one, else its acceleration by it. It is left as it was.
 Fact answer_to_a_trial(Link& link, double extent_m, double window_s) {
   const auto input = link.input();

@@ -9,7 +9,7 @@
 
 namespace ricochet::coupler {
 
-/// What tells a participant's program from another one, as far as this end can see: all that it describes, and of a
+/// Tells a participant's program from another one, as far as this end can see: by all that it describes, and of a
 /// program of somebody else's also the digest of its file and what it answers at the start of a run to a change of its
 /// link input that is tried. A checkpoint keeps it, so that a run goes on with the programs that it began with.
 struct Program {
@@ -24,7 +24,7 @@ struct Program {
   void archive(Archive& a) { a(participant, facts); }
 };
 
-/// Of participants that are synchronised at the start of a run, and left so. `executables`: paths, empty where none is
+/// For participants that are synchronised at the start of a run, and left so. `executables`: paths, empty where none is
 /// launched.
 [[nodiscard]] std::vector<Program> programs_of(const scene::Problem& problem,
                                                const std::vector<PeerDescription>& descriptions,

@@ -1,4 +1,4 @@
-// What a run saves between windows, and goes on from.
+// The states that a run saves between windows, and goes on from.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ void CoupledRun::prepare_checkpoints(const std::vector<PeerDescription>& descrip
   programs_ = programs_of(problem_, descriptions, executables_, coupling_->links());
 }
 
-/// What this process goes on from between windows; the participants' own is beside it.
+/// Reads or writes what this process goes on from between windows; the participants' own is beside it.
 void CoupledRun::archive(Archive& a) {
   a(*coupling_, *protocol_, *loop_, *history_, tally_, *watch_, outside_, since_last_row_.contact_iterations,
     since_last_row_.contact_residual, forces_told_);

@@ -37,7 +37,7 @@ class TimeLoop {
            std::function<void(std::int64_t)> on_records, std::function<void(std::int64_t)> on_window = {});
 
   void run();
-  /// What it goes on from between windows.
+  /// Reads or writes what it goes on from between windows.
   void archive(Archive& a);
   [[nodiscard]] std::int64_t window() const { return window_; }  ///< last accepted
   [[nodiscard]] const std::vector<SwitchEvent>& switches() const { return switches_; }

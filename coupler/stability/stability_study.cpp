@@ -197,7 +197,7 @@ void StabilityStudy::run() {
   for (const auto& note : notes()) fmt::print("{}\n", note);
 }
 
-/// What is known of the protocols that took part.
+/// All that is known of the protocols that took part.
 std::vector<std::string> StabilityStudy::notes() const {
   std::vector<std::string> names{problem_.scene.coupling.protocol.name}, texts;
   if (against_.key == "coupling.protocol") {

@@ -10,7 +10,7 @@ namespace {
 constexpr double safety = 2.0, safety_of_slow = 1.5;
 constexpr double lowest_order = 0.5, highest_order = 2.0, believed_order = 1.0;
 
-/// What turns a difference of two levels into a bar, and what is left of a coarse level's difference on the fine one.
+/// Turns a difference of two levels into a bar; and what is left of a coarse level's difference on the fine one.
 struct Scales {
   double bar = 1.0, coarse = 1.0;
 };
@@ -38,7 +38,7 @@ Scales measure_total(const QuantityLevels& levels, ErrorBar& bar) {
   return {safety, 1.0};
 }
 
-/// Of a mesh that cannot be coarsened, by an order of 1, the least of any shipped protocol.
+/// For a mesh that cannot be coarsened: by an order of 1, the least of any shipped protocol.
 void measure_time_alone(const QuantityLevels& levels, ErrorBar& bar) {
   bar.time = levels.double_step ? times(safety, levels.run, levels.double_step)
                                 : times(2.0 * safety, levels.run, levels.half_step);

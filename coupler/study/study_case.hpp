@@ -10,7 +10,7 @@
 
 namespace ricochet::coupler {
 
-/// What one repeat of a run cost [s]; set-up is meshes and factorisation, start the processes.
+/// The time that one repeat of a run took [s]; set-up is meshes and factorisation, start the processes.
 struct Cost {
   double wall_s = 0.0, cpu_s = 0.0, start_s = 0.0, setup_s = 0.0, stepping_s = 0.0;
 };
@@ -42,7 +42,7 @@ class StudyCase {
   [[nodiscard]] const scene::Problem& problem() const { return *problem_; }
   [[nodiscard]] long long steps() const { return steps_; }
   [[nodiscard]] double step_s() const { return plan_ ? problem_->clock.size_s(1) : 0.0; }
-  /// Of the first repeat.
+  /// The observation of the first repeat.
   [[nodiscard]] Observation observation() const;
 
  private:

@@ -153,7 +153,7 @@ std::string text_at(const scene::Toml& table, const char* key) {
   return table.at(key).as_string();
 }
 
-/// Of a scene that is refused when it runs, any.
+/// The model; any for a scene that is refused when it runs.
 fem::Model model_of(const std::string& name) {
   const auto known = std::find(fem::model_names.begin(), fem::model_names.end(), name);
   return known == fem::model_names.end() ? fem::Model::axisymmetric
@@ -173,7 +173,7 @@ void add_probes(const scene::Toml& output, fem::Model model, MeasuredScene& scen
   add("gauge", [](const std::string& name) { return scene::columns_of_gauge(name); });
 }
 
-/// What a study can measure of its scene, which may still lack what the study gives it.
+/// The properties that a study can measure of its scene, which may still lack what the study gives it.
 MeasuredScene measured_scene(const std::string& path) {
   const scene::Toml file = scene::parse_toml(path, scene::read_text(path));
   const fem::Model model = model_of(text_at(file, "model"));

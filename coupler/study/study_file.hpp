@@ -9,7 +9,7 @@
 
 namespace ricochet::coupler {
 
-/// What computes the runs: a protocol, and what it changes in the scene whatever is varied.
+/// The method of the runs: a protocol, and what it changes in the scene whatever is varied.
 struct Method {
   std::string name, protocol;
   std::vector<scene::Override> changes;
@@ -22,7 +22,7 @@ struct Variation {
   std::vector<std::vector<scene::Override>> settings;  ///< one entry a setting, each with all keys
 };
 
-/// What the runs of a study are compared with: impedance theory, or a run of the scene with `changes`, whose own error
+/// Runs of a study are compared with this: impedance theory, or a run of the scene with `changes`, whose own error
 /// is its difference to a run with `refine` on top. One reference for every setting of the varied keys in `follow`.
 struct ReferenceSpec {
   bool exact = false;

@@ -18,7 +18,7 @@ struct Curve {
   [[nodiscard]] double at(double time_s) const;
 };
 
-/// What is said of one contact, or of all together.
+/// The numbers of one contact, or of all together.
 struct ContactObservation {
   Curve contact_pressure_pa;                ///< mean over closed pairs, positive in compression
   Curve contact_force_n, friction_force_n;  ///< sums over all pairs; forces and pressure are means over windows
@@ -27,7 +27,7 @@ struct ContactObservation {
   std::optional<double> peak_force_n, separation_time_s;
 };
 
-/// What a run, or an exact solution, says of the quantities of interest: of all contacts, and of each of several.
+/// Answers of a run, or of an exact solution, for the quantities of interest: of all contacts, and of each of several.
 struct Observation : ContactObservation {
   Curve principal_stress_pa;  ///< mean over the contact surface, positive in compression
   std::map<std::string, ContactObservation> contacts;
@@ -45,7 +45,7 @@ struct Observation : ContactObservation {
 /// than bars, with supports or loads, and where the longer bar's wave changes the force before the end.
 [[nodiscard]] Observation exact_impact(const scene::Problem& problem);
 
-/// What of a scene the quantities go by that a study of it may ask for.
+/// The properties of a scene that the quantities go by that a study of it may ask for.
 struct MeasuredScene {
   bool solid = false;
   std::vector<std::string> contacts{};  ///< names of several

@@ -9,7 +9,7 @@
 
 namespace ricochet::coupler {
 
-/// What the runs with some settings are compared with.
+/// The answer that the runs with some settings are compared with.
 struct StudyReference {
   std::vector<scene::Override> follows;  ///< settings of the varied keys that it follows
   std::string text, key;                 ///< what it is; name of its folder, "exact" for theory

@@ -13,7 +13,7 @@ namespace ricochet::coupler {
 namespace {
 
 constexpr double smallest_strain = 1e-12;
-/// Of the energy, where a program of somebody else's takes part; of the momentum.
+/// Shares of the energy, where a program of somebody else's takes part, and of the momentum.
 constexpr double energy_loss = 0.3, momentum_loss = 0.2;
 /// Less momentum than this share of that of all mass with all energy is none to compare with.
 constexpr double least_moving = 0.1;

@@ -17,7 +17,7 @@ namespace ricochet::coupler {
 /// Follows the name of a protocol that loses momentum.
 inline constexpr const char* does_not_keep_momentum = "does not keep it; \"hughes_liu\" does";
 
-/// What is known before the run about why it might blow up.
+/// A reason, known before the run, why it might blow up.
 struct Suspicion {
   std::string protocol;
   std::string protocol_trouble;     ///< empty: none known
@@ -99,7 +99,7 @@ class EnergyWatch {
   std::optional<std::int64_t> growing_since_, losing_since_, drifting_since_;  ///< window
 };
 
-/// What may be lost in a run of these participants: nothing is limited that not everybody tells of.
+/// The shares that may be lost in a run of these participants: nothing is limited that not everybody tells of.
 [[nodiscard]] LossLimits loss_limits(const scene::Problem& problem, const Untold& untold);
 
 /// Energy below which round-off decides: that of strains of 1e-12, 1e-24 m c^2 of all bodies [J].

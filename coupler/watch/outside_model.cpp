@@ -55,7 +55,7 @@ std::string OutsideModel::place(const Departed& d) const {
                      fem::place_text(problem_.scene.model, Eigen::Vector3d(d.place_m.data())), d.time_s);
 }
 
-/// Of a stress and the limit of the body's material; a foreign body has none that the scene knows.
+/// The text on a stress and the limit of the body's material; a foreign body has none that the scene knows.
 std::string OutsideModel::stress_text(const Departed& d) const {
   const bool yields = d.kind == "yield";
   const auto body = std::find_if(problem_.bodies.begin(), problem_.bodies.end(),

@@ -10,10 +10,10 @@
 namespace ricochet::coupler {
 namespace {
 
-/// Of the thinner body: by no more of it may the two move against each other from one step to the next.
+/// A share of the thinner body: by no more of it may the two move against each other from one step to the next.
 constexpr double step_share = 0.25;
 constexpr double most_steps = 1e5;
-/// Of the way since the last look: so well is the instant of an overlap found.
+/// A share of the way since the last look: so well is the instant of an overlap found.
 constexpr double resolved_share = 1e-3;
 
 Eigen::Vector3d mean(const std::vector<Eigen::Vector3d>& values) {

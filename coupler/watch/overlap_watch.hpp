@@ -27,7 +27,7 @@ class OverlapWatch {
            within_s = 0.0;  ///< within_s: end of the last window that is known to be without
     Eigen::Vector3d place{0.0, 0.0, 0.0};
   };
-  /// What the links have told last, at the end of this window.
+  /// Takes what the links have told last, at the end of this window.
   std::vector<Found> update(const std::vector<Link>& links, std::int64_t window);
   [[nodiscard]] bool watches() const { return !bodies_.empty(); }
   void archive(Archive& a);

@@ -1,4 +1,4 @@
-// What the scene's own elements answer in a participant's place, what it answered, and its first row of history.
+// Answers of the scene's own elements in a participant's place, what it answered, and its first row of history.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -161,7 +161,7 @@ void SceneComparison::check_stiffness(const std::vector<double>& probe, const st
 
 void SceneComparison::check_window(const std::vector<double>& probe, const std::vector<double>& change,
                                    int substeps) const {
-  // Of dashpots at the interface the scene's own answer would need more than K and M.
+  // With dashpots at the interface the scene's own answer would need more than K and M.
   for (const auto& part : parts_) {
     if (problem_.bodies[fem::at(part.body)].damping_kg_s.squaredNorm() > 0.0) return;
   }

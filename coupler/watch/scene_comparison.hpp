@@ -12,10 +12,10 @@ namespace ricochet::coupler {
 /// Some participant may have another model of that body: `differing_bodies`.
 [[nodiscard]] bool may_differ(const scene::Scene& scene, const std::string& body);
 
-/// What the scene's own mesh, elements and densities say of a participant, against what a program of somebody else's
+/// Holds the scene's own mesh, elements and densities of a participant against what a program of somebody else's
 /// declares and answers in its place. It finds out other masses, other places, another order of the nodes, another
-/// stiffness, force of another sign, and substeps that are not taken, before the first window. (What time brings to
-/// light, FirstWindows finds.)
+/// stiffness, force of another sign, and substeps that are not taken, before the first window. (FirstWindows finds
+/// what time brings to light.)
 ///
 /// Numbers may differ by 1e-3: other quadrature and rounding pass, one percent does not. A body that the scene lists
 /// under `differing_bodies` of any participant is left out but for its places; of a foreign one there is nothing to
@@ -24,7 +24,7 @@ namespace ricochet::coupler {
 /// found, what was expected, and a cause if trying it explains all numbers.
 class SceneComparison {
  public:
-  /// It describes rows that are as many as they should be, of bodies that it has and with the scene's components. Who
+  /// It describes rows that are as many as they should be, of bodies that it has and with the scene's components. If it
   /// does not is refused by InterfaceMap.
   [[nodiscard]] static bool possible(const scene::Problem& problem, const PeerDescription& description);
   /// `description`, which must be possible, of a participant of the scene, with its name and role filled in.
@@ -42,7 +42,7 @@ class SceneComparison {
   /// Driven by force: velocity at the end of a window whose link input rises linearly by the probe, by central
   /// differences in so many steps [m/s].
   void check_window(const std::vector<double>& probe, const std::vector<double>& change, int substeps) const;
-  /// Of an implicit participant: acceleration -M^-1 L of nodes without contact, at the present time [m/s^2].
+  /// For an implicit participant: acceleration -M^-1 L of nodes without contact, at the present time [m/s^2].
   void check_acceleration(const std::vector<double>& probe, const std::vector<double>& change) const;
   /// Has all of that asked of a participant that is synchronised, and leaves it as it was.
   void try_link(Link& link, int substeps) const;
@@ -81,7 +81,7 @@ class SceneComparison {
   void check_masses_of(std::size_t part, const std::vector<std::size_t>& rows) const;
   void check_body(std::size_t part, const std::string& quantity, double found, double expected, double scale,
                   const char* unit) const;
-  /// Of the nodes of a body that it shares.
+  /// The nearest of the nodes of a body that it shares.
   [[nodiscard]] Near nearest(const std::string& body, const Eigen::Vector3d& x) const;
   [[nodiscard]] const std::string& body_of(std::size_t row) const;
   [[nodiscard]] bool left_out(std::size_t row) const;

@@ -40,7 +40,7 @@ std::string turn_text(const Turn& turn, const std::vector<std::string>& axes) {
   return fmt::format("({})", fmt::join(names, ", "));
 }
 
-/// Of all nodes, of those of each body, by component in place of by node.
+/// Other orders of all nodes, of those of each body, by component in place of by node.
 std::vector<Arrangement> other_orders(const std::vector<double>& bodies, std::size_t components) {
   const std::size_t nodes = bodies.size();
   std::vector<Arrangement> orders{{"the order of the nodes is reversed", {}, {}},

@@ -10,7 +10,7 @@
 /// with it what was found is what was expected, at every node.
 namespace ricochet::coupler {
 
-/// Of the largest expected number: other quadrature and rounding pass, one percent does not.
+/// A share of the largest expected number: other quadrature and rounding pass, one percent does not.
 inline constexpr double comparison_tolerance = 1e-3;
 
 /// Largest |value|; 0 of none.
@@ -20,7 +20,7 @@ inline constexpr double comparison_tolerance = 1e-3;
 [[nodiscard]] std::optional<double> common_factor(const std::vector<double>& found,
                                                   const std::vector<double>& expected);
 
-/// What a number is that is `ratio` times the right one: of the wrong sign, per radian, in another unit; empty: nothing
+/// Names a number that is `ratio` times the right one: of the wrong sign, per radian, in another unit; empty: nothing
 /// that a factor alone tells.
 [[nodiscard]] std::string known_slip(double ratio);
 

@@ -8,7 +8,7 @@
 namespace ricochet::coupler {
 namespace {
 
-/// What acts on a body besides contact and joints, of what these elements have a part in.
+/// All that acts on a body besides contact and joints, of what these elements have a part in.
 struct Actions {
   bool works = false;   ///< it changes the energy
   bool pushes = false;  ///< it changes the momentum
@@ -27,7 +27,7 @@ std::vector<std::string> surfaces_of(const scene::Body& body, bool works) {
   return names;
 }
 
-/// Of a foreign body nobody knows what holds it; its work is its own affair.
+/// Nobody knows what holds a foreign body; its work is its own affair.
 Actions actions_on(const scene::Problem& problem, const PeerDescription& description, const std::string& name) {
   if (problem.scene.is_foreign(name)) return {false, true};
   const auto is = [&](const scene::BodyProblem& body) { return body.name == name; };

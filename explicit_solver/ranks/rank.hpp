@@ -37,7 +37,7 @@ class RankShare {
   std::vector<std::shared_ptr<Neighbours>> neighbours_;  ///< per part; states_ point to them
 };
 
-/// What the first rank begins with, and the others hear of it: what Stepping needs of a setup, and who steps what.
+/// The first rank begins with it, and the others hear of it: what Stepping needs of a setup, and who steps what.
 struct Beginning {
   participant::Setup setup;
   std::vector<SharedPart> shared;
@@ -45,14 +45,14 @@ struct Beginning {
   void archive(Archive& a) { a(setup.clock, setup.substeps, setup.driven_by, shared); }
 };
 
-/// What the first rank tells the others.
+/// The word of the first rank to the others.
 struct Command {
   std::int64_t window = 0;
   int substep = 0;
   Order order = Order::end;
 };
 
-/// What a rank that is not the first does until it is told to end: from the beginning on, of which it hears `said`.
+/// The work of a rank that is not the first until it is told to end: from the beginning on, of which it hears `said`.
 void follow(const scene::Problem& problem, const std::string& participant, const std::string& said,
             Communicator& communicator);
 

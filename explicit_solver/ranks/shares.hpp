@@ -36,7 +36,7 @@ struct SharedPart {
                                                 const std::vector<solver::BodyState>& whole,
                                                 const std::vector<fem::LocalSteps>& steps, int layers, int ranks);
 
-/// What rank `rank` has of a shared part.
+/// The share of a part that rank `rank` has.
 [[nodiscard]] scene::ParticipantPart part_of_rank(const scene::Problem& problem,
                                                   const scene::ParticipantSpec& participant, const SharedPart& shared,
                                                   int rank);

@@ -58,7 +58,7 @@ fem::SparseMatrix rows_of(const fem::SparseMatrix& stiffness, const std::vector<
   return rows;
 }
 
-/// Of what is left beside the modes. Below, they are all there is of some motion of the shared nodes, and forces
+/// Share of what is left beside the modes. Below, they are all there is of some motion of the shared nodes, and forces
 /// against the rest of it would be round-off.
 constexpr double least_rcond = 1e-11;
 

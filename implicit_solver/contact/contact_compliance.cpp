@@ -1,4 +1,4 @@
-// What forces of the contact's pairs move, found in the way that the size of the contact asks for.
+// The motion by forces of the contact's pairs, found in the way that the size of the contact asks for.
 #include <algorithm>
 #include <map>
 #include <memory>

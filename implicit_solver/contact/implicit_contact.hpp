@@ -136,13 +136,13 @@ class ImplicitContact {
   [[nodiscard]] const solver::ContactSurface& surface() const { return surface_; }
 
  private:
-  /// What friction gives a closed pair.
+  /// The friction of a closed pair.
   struct Friction {
     double limit = 0.0;  ///< mu times the normal impulse [N s]
     Eigen::Vector2d given{0.0, 0.0};
     bool sticks = false, stays = false;  ///< no relative velocity, and no relative acceleration
   };
-  /// What a window that is being tried gives each pair.
+  /// The numbers that a window that is being tried gives each pair.
   struct Trial {
     solver::RootProblem::Solution solution;
     std::vector<solver::PairForce> impulse, jump, remembered;  ///< p and J [N s], the force at its end [N]
@@ -151,7 +151,7 @@ class ImplicitContact {
 
     void start(std::size_t pairs, bool uneven_too);
   };
-  /// What forces on the rows move: the rows over the root dofs, and S^-1 there, one of a dense matrix, a sparse one and
+  /// Motion by forces on the rows: the rows over the root dofs, and S^-1 there, one of a dense matrix, a sparse one and
   /// products, kept where bodies slide.
   struct Response {
     solver::Compliance::Sparse rows;
@@ -187,7 +187,7 @@ class ImplicitContact {
   [[nodiscard]] Eigen::Index unknown(std::size_t pair, Eigen::Index direction) const {
     return direction * static_cast<Eigen::Index>(pairs()) + static_cast<Eigen::Index>(pair);
   }
-  /// Of a number per pair and direction, those along tangent and binormal.
+  /// From a number per pair and direction, those along tangent and binormal.
   [[nodiscard]] Eigen::Vector2d along_surface(std::size_t pair, const Eigen::VectorXd& values) const;
   /// Combined number of an entry's degree of freedom, and a part's stretch of a combined vector.
   [[nodiscard]] int combined(const solver::RowEntry& e) const {

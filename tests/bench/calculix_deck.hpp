@@ -28,7 +28,7 @@ struct PressureHistory {
   std::vector<double> time_s, pressure_pa;
 };
 
-/// Of the results (.dat) that the deck asks for: normal force over area, compression positive.
+/// From the results (.dat) that the deck asks for: normal force over area, compression positive.
 [[nodiscard]] PressureHistory calculix_pressure(const std::string& results);
 
 }  // namespace ricochet::bench

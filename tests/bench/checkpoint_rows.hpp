@@ -9,7 +9,7 @@
 
 namespace ricochet::bench {
 
-/// What checkpoints cost the hybrid of the reference scene: whole runs with `cuts` of them beside runs without. From
+/// Cost of checkpoints to the hybrid of the reference scene: whole runs with `cuts` of them beside runs without. From
 /// the difference follows what one of them takes, and by how much a run becomes longer that makes one every
 /// `default_interval_s`.
 class CheckpointCosts {

@@ -22,7 +22,7 @@ class ContactGrowth {
   std::map<int, std::vector<SceneRun>> runs_;  ///< by pairs
 };
 
-/// What a window takes while all pairs of such cylinders touch, over what it takes before they do; and how a window of
+/// The time of a window while all pairs of such cylinders touch, over what it takes before they do; and how a window of
 /// solids grows from fewer than 800 pairs to more.
 class ContactWindows {
  public:

@@ -10,7 +10,7 @@
 
 namespace ricochet::bench {
 
-/// What strangers cost a run: the hybrid of the reference scene over TCP while a process floods its port, over the same
+/// Cost of strangers: the hybrid of the reference scene over TCP while a process floods its port, over the same
 /// while the same process floods the port of somebody else, so that the processor time of the flood itself is in both.
 /// Repeated like the scenes.
 class Floods {

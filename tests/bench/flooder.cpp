@@ -26,7 +26,7 @@ sockaddr_in on_this_machine(std::uint16_t port) {
   return address;
 }
 
-/// What strangers say: what is no greeting, half a greeting, and a greeting with a frame of 2^40 bytes behind it.
+/// The words of strangers: no greeting, half a greeting, and a greeting with a frame of 2^40 bytes behind it.
 std::array<std::string, 3> rubbish() {
   std::string greeting("\xff\0\0\0\0\0\0\0\1\x7f\3\0", 12);
   greeting += std::string("NULL") + std::string(48, '\0');

@@ -8,7 +8,7 @@
 
 namespace ricochet::bench {
 
-/// What `bench_kernels` measured.
+/// The times that `bench_kernels` measured.
 class Kernels {
  public:
   /// Runs it; its repetitions are interleaved at random. Its JSON goes into `folder`.
@@ -19,7 +19,7 @@ class Kernels {
   /// Least time of a kernel on this machine [s]: max(bytes / bandwidth, flops / peak), the bandwidth that of a triad
   /// which touches about as many bytes, from the same cache or memory. Per repeat.
   [[nodiscard]] std::vector<double> bound_s(const std::string& kernel, int refinement) const;
-  /// Of a kernel, per repeat.
+  /// The times of a kernel, per repeat.
   [[nodiscard]] const std::vector<double>& times_s(const std::string& kernel, int refinement) const {
     return at(kernel, refinement).time_s;
   }

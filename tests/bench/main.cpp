@@ -68,7 +68,7 @@ std::string load_average() {
   return getloadavg(loads, 1) == 1 ? fmt::format("{:.1f}", loads[0]) : "unknown";
 }
 
-/// What of the options is wanted.
+/// The rows that the options want.
 class Measurements {
  public:
   explicit Measurements(const Options& options) : folder_(std::filesystem::absolute(options.out).string()) {

@@ -75,7 +75,7 @@ pid_t start(std::vector<std::string>& command, const std::string& log) {
 
 bool succeeded(int status) { return WIFEXITED(status) && WEXITSTATUS(status) == 0; }
 
-/// Of a process and all that it started; 0 once it is gone [bytes].
+/// The memory of a process and all that it started; 0 once it is gone [bytes].
 double resident_b(const std::string& process) {
   double pages = 0.0, all = 0.0, below_b = 0.0;
   std::ifstream("/proc/" + process + "/statm") >> all >> pages;

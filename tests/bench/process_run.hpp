@@ -5,7 +5,7 @@
 
 namespace ricochet::bench {
 
-/// What a finished command and the processes it waited for took; all but the first as the kernel counted it.
+/// Usage by a finished command and the processes it waited for; all but the first as the kernel counted it.
 struct Usage {
   double wall_s = 0.0;
   double cpu_s = 0.0;              ///< user and system, all processes
@@ -19,7 +19,7 @@ Usage run_command(std::vector<std::string> command, const std::string& log);
 /// (Each shared page counts once a process.) Throws as run_command.
 double peak_memory_of_run_b(const std::string& scene, const std::string& out);
 
-/// What `ricochet run` left and cost.
+/// The results and the cost of `ricochet run`.
 struct SceneRun {
   double window_s = 0.0;                  ///< stepping time per window
   double step_s = 0.0;                    ///< stepping time per step of the explicit side

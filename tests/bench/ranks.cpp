@@ -1,5 +1,5 @@
 // mpirun -n 2 build/bench_ranks [--solid] [--elements N] [--deep N] [--ranks N,...] [--latency_us T] [--bandwidth_gb_s
-// B] What a window of all_explicit would take in many ranks, computed from what is measured here: the scene is shared
+// B] Cost of a window of all_explicit in many ranks, computed from what is measured here: the scene is shared
 // out among so many ranks, and single ones of them are stepped in this process with nobody to talk to. Messages are
 // counted with the latency and the bandwidth of two processes of this machine, or with those of a network that are
 // given.
@@ -57,7 +57,7 @@ Network measure_network(int rank) {
   return {latency_s, (much - little) / (long_s - latency_s)};
 }
 
-/// Of a rank that is stepped alone: notes when its messages begin to go out and when they are waited for.
+/// For a rank that is stepped alone: notes when its messages begin to go out and when they are waited for.
 class NobodyThere final : public explicit_solver::Communicator {
  public:
   NobodyThere(int rank, int count) : rank_(rank), count_(count) {}
@@ -83,7 +83,7 @@ class NobodyThere final : public explicit_solver::Communicator {
   Clock::time_point begin_;
 };
 
-/// Of one rank, a window.
+/// The cost of one rank, a window.
 struct RankCost {
   int nodes = 0;
   double computes_s = 0.0, meanwhile_s = 0.0;  ///< all of it; what of it is done while messages are on their way
@@ -150,7 +150,7 @@ int fullest(const std::vector<SharedPart>& shared, int ranks) {
   return static_cast<int>(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
 }
 
-/// Of the first rank, the fullest and three others that whose window takes longest.
+/// Among the first rank, the fullest and three others that whose window takes longest.
 RankCost slowest(const scene::Problem& problem, const std::vector<SharedPart>& shared, int ranks,
                  const Network& network) {
   RankCost found;

@@ -6,7 +6,7 @@
 
 namespace ricochet::bench {
 
-/// What a ratio is wanted to be.
+/// The value that a ratio is wanted to have.
 struct Level {
   bool at_most = true;  ///< false: at least
   double value = 0.0;

@@ -41,7 +41,7 @@ class OnSlurm : public testing::Test {
     EXPECT_EQ(outcome.code, 0) << outcome.error;
     return path("job.sh");
   }
-  /// What the scene computes without Slurm.
+  /// The history of the scene without Slurm.
   std::string history_here(const std::string& text) {
     const auto run = run_text(text, cluster_->folder(), "here");
     return file_text(run.folder + "/history.csv");
@@ -96,7 +96,7 @@ TEST_F(OnSlurm, AHundredJobsOfAHundredSucceed) {
              across_nodes);
 }
 
-/// Of the explicit participant, over several nodes.
+/// Ranks of the explicit participant, over several nodes.
 TEST_F(OnSlurm, RanksAreOneStep) {
   const auto text = with_key(config_text("kim_impact"), "time", "end_s", "6e-6");
   const auto history = history_here(text);
@@ -140,7 +140,7 @@ TEST_F(OnSlurm, AParticipantThatIsKilledIsNamedWithWhatSlurmSaysOfItsStep) {
   EXPECT_THAT(file_text(path("job.log")), HasSubstr("task 0: Killed"));
 }
 
-/// What Slurm sends before the limit, sent by hand.
+/// The signal that Slurm sends before the limit, sent by hand.
 TEST_F(OnSlurm, TheSignalBeforeTheLimitEndsInACheckpointAndTheNextJobGoesOn) {
   const auto text = long_bars(6000);
   const auto history = history_here(text);

@@ -1,4 +1,4 @@
-// What the command writes for Slurm; on a Slurm it is tried in the tests beside this one.
+// The script that the command writes for Slurm; on a Slurm it is tried in the tests beside this one.
 #include <gmock/gmock.h>
 
 #include "tests/support/run.hpp"

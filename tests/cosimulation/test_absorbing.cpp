@@ -85,7 +85,7 @@ TEST_P(AbsorbingBar, StandsInForTheRestOfIt) {
   }
   EXPECT_LT(differences[0].force_rms, 5e-3);
   EXPECT_LT(differences[0].velocity_max, 5e-5);
-  // Of a front that jumps, the force converges like the root of the element size, what it does to the striker like the
+  // With a front that jumps the force converges like the root of the element size, what it does to the striker like the
   // size.
   EXPECT_LT(differences[1].force_rms, 0.8 * differences[0].force_rms);
   EXPECT_LT(differences[1].velocity_max, 0.6 * differences[0].velocity_max);

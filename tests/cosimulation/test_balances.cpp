@@ -5,7 +5,7 @@
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
-// What is conserved, and what a constant state must give, through scene files and real processes.
+// Conserved quantities, and what a constant state must give, through scene files and real processes.
 
 namespace ricochet::test {
 namespace {

@@ -12,7 +12,7 @@
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
-// What a whole run leaves for the picture of the deformed bodies on its page, without a key that asks for it.
+// The files that a whole run leaves for the picture of the deformed bodies on its page, without a key that asks for it.
 
 namespace ricochet::test {
 namespace {

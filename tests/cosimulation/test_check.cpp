@@ -1,4 +1,4 @@
-// What `ricochet check` tells of a scene before anything is computed.
+// The lines of `ricochet check` on a scene before anything is computed.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -53,7 +53,7 @@ TEST(CheckedBodies, HaveTheirMassSizeSpeedAndEnergy) {
 
 class CheckedHertz : public testing::TestWithParam<std::string> {};
 
-/// Of the rings of axisymmetry and of quarters of balls, whatever the mesh: within what the run itself finds.
+/// For the rings of axisymmetry and of quarters of balls, whatever the mesh: within what the run itself finds.
 TEST_P(CheckedHertz, IsTheForceAndTheDurationOfTheRun) {
   const TemporaryFolder folder;
   const std::string text = with_absolute_meshes(config_text(GetParam()));

@@ -57,7 +57,7 @@ TEST_P(ThreeBars, HandTheirMomentumOn) {
   EXPECT_LT(r.summary.at("momentum_error_max").get<double>(), 1e-10);
 }
 
-/// What each contact is told to have given is what its bars have: the first m v_a less, the second m v_c more. The
+/// Each contact is told to have given what its bars have: the first m v_a less, the second m v_c more. The
 /// pulse of v/2 lasts 2 L/c at either, and reaches the second L/c later.
 TEST_P(ThreeBars, AreToldOfByContact) {
   const TemporaryFolder folder;

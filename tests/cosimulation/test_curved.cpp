@@ -79,7 +79,7 @@ TEST_P(TwoBalls, CollideAsHertzHasItButForTheirSize) {
     EXPECT_NEAR(run.last("contact_impulse_n_s") / (2.0 * mass * c.speed_m_s), 1.0, 5e-3);
     EXPECT_LT(run.summary.at("momentum_error_max").get<double>(), 1e-10);
     EXPECT_LT(run.summary.at("energy_error_max").get<double>(), 1e-4);
-    // Of the force that there is: a = (3 F R' / (4 E'))^(1/3), p0 = 3/2 F/(pi a^2); a to an element, of 0.1 mm.
+    // With the force that there is: a = (3 F R' / (4 E'))^(1/3), p0 = 3/2 F/(pi a^2); a to an element, of 0.1 mm.
     const double modulus = 48e9 / (2.0 * 0.96), radius = std::cbrt(0.75 * peak * 0.005 / modulus),
                  pressure = 1.5 * peak / (std::numbers::pi * radius * radius);
     EXPECT_NEAR(run.summary.at("largest_contact_radius_m").get<double>(), radius, 1e-4) << c.speed;

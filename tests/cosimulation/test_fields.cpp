@@ -111,7 +111,7 @@ TEST(FreeFall, IsDisturbedByThePredictorOfHughesAndLiu) {
   EXPECT_NEAR(longer.last("energy_strain_j") / longer.last("energy_kinetic_j"), 2e-7, 1e-7) << "after 100 windows";
 }
 
-/// What VTK reads is what the run wrote: each body by its name, each participant that has some of it.
+/// VTK reads what the run wrote: each body by its name, each participant that has some of it.
 TEST(Fields, AreReadByVtkAsOneDataSetATimeWithBodiesByName) {
   const TemporaryFolder folder;
   const RunResult run = run_text(with_key(config_text("two_bars"), "output", "fields_every", "1000"), folder);

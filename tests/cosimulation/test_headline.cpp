@@ -1,4 +1,4 @@
-// What a reader takes from the end of a run: the peak of a flat impact, when bodies meet and part, what never met.
+// Facts at the end of a run that a reader takes: the peak of a flat impact, when bodies meet and part, what never met.
 #include <gmock/gmock.h>
 
 #include <algorithm>

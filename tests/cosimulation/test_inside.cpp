@@ -12,7 +12,7 @@
 namespace ricochet::test {
 namespace {
 
-/// What is started meanwhile has one processor.
+/// A process that is started meanwhile has one processor.
 class OneProcessor {
  public:
   OneProcessor() {

@@ -4,7 +4,7 @@
 
 #include "tests/support/run.hpp"
 
-// What must not change a result: the transport, how explicit bodies are spread over processes, the size of everything.
+// No result changes with these: the transport, how explicit bodies are spread over processes, the size of everything.
 
 namespace ricochet::test {
 namespace {

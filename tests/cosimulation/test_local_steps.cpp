@@ -41,7 +41,7 @@ TEST(LocalSteps, KeepTheMomentumOfTetrahedraWithSupportsAmongThem) {
   EXPECT_LT(run.largest("energy_error"), 1e-6);
 }
 
-/// What presses inside small steps is in the elements: the book of contact has what is gone, not what is stored.
+/// A contact inside small steps is in the elements: the book of contact has what is gone, not what is stored.
 TEST(LocalSteps, BookWhatContactCosts) {
   const TemporaryFolder folder;
   const std::string text =

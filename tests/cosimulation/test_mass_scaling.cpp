@@ -17,7 +17,7 @@ std::string with_mass_scaling(const std::string& text, double step_s) {
   return text + "[mass_scaling]\nstep_s = " + std::to_string(1e9 * step_s) + "e-9\n";
 }
 
-/// What is measured of the bar of `GradedBar` at 0.1 m/s, whose masses are scaled for the step of its largest element,
+/// Measured of the bar of `GradedBar` at 0.1 m/s, whose masses are scaled for the step of its largest element,
 /// over what the bar has: 10 N for 2 ms, 0.02 N s.
 struct ScaledImpact {
   GradedBar bar;

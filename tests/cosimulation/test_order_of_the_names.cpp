@@ -62,7 +62,7 @@ TEST(OrderOfTheNames, ChangesNoForceInThePlane) {
   }
 }
 
-/// Of solids whose normal is along z the tangent x stays, and what acts along it on the second body turns round.
+/// For solids whose normal is along z the tangent x stays, and what acts along it on the second body turns round.
 TEST(OrderOfTheNames, ChangesNoForceOfSolids) {
   const TemporaryFolder folder;
   for (const bool lower : {true, false}) {

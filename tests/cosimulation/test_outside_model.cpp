@@ -1,4 +1,4 @@
-// What a scene leaves the model by: said with place, time and size, and the run stopped where results would be wrong.
+// Ways out of the model: said with place, time and size, and the run stopped where results would be wrong.
 #include <gmock/gmock.h>
 
 #include "tests/support/run.hpp"

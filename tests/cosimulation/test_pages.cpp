@@ -11,7 +11,7 @@
 #include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
-// What all pages have in common: links lead somewhere, files and functions they name exist.
+// All pages have in common: links lead somewhere, files and functions they name exist.
 
 namespace ricochet::test {
 namespace {
@@ -185,6 +185,10 @@ TEST(Pages, NoSentenceBeginsWithOfWhoWhatOrSo) {
   EXPECT_GE(sources.size(), 12U);
   for (const auto& file : sources)
     EXPECT_THAT(all(file_text((root / file).string()), word), testing::IsEmpty()) << file;
+  for (const auto& [name, path] : ricochet::test::sources()) {
+    if (name.ends_with(".cpp") || name.ends_with(".hpp"))
+      EXPECT_THAT(all(file_text(path.string()), "//[^\n]*?" + word), testing::IsEmpty()) << path;
+  }
 }
 
 /// A row without a head above it, as behind an empty line, is shown as text with bars.

@@ -20,7 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Of Johnson and Cook, with a rate and a temperature that matter.
+/// The law of Johnson and Cook, with a rate and a temperature that matter.
 const std::string hot_law =
     ", hardening_exponent = 0.5, rate_factor = 0.02, reference_rate_per_s = 10.0, heat = { specific_heat_j_kg_k = "
     "50.0, "

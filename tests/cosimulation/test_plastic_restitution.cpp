@@ -59,7 +59,7 @@ TEST(PlasticRestitution, FallsWithTheFourthRootOfTheSpeedOverTwoDecades) {
     const double kinetic_j = run.column("energy_kinetic_j").front();
     restitution.push_back(std::abs(run.last("velocity_mean_striker_m_s")) / speed_m_s);
     EXPECT_NEAR(restitution.back() / johnson(speed_m_s), 1.0, 0.1) << speed_m_s;
-    // What neither yielding nor the rebound takes is left in vibrations: little.
+    // The energy that neither yielding nor the rebound takes is left in vibrations: little.
     EXPECT_NEAR(plastic.back() / kinetic_j, 1.0 - restitution.back() * restitution.back(), 0.06) << speed_m_s;
   }
   EXPECT_NEAR(std::log10(restitution[2] / restitution[1]), -0.25, 0.01);

@@ -5,7 +5,7 @@
 #include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
-// What `ricochet check` predicts of the scenes in configs/, beside what runs of them take: a table to read. How fast a
+// Costs predicted by `ricochet check` of the scenes in configs/, beside those of runs: a table to read. How fast a
 // machine is, and how busy, no test can promise.
 
 namespace ricochet::test {

@@ -48,7 +48,7 @@ TEST(SlowSetup, ThatIsSilentIsTakenForDead) {
   EXPECT_THAT(run.outcome.error, HasSubstr("participant 'slow' has been silent for 3."));
 }
 
-/// Of whom it is known what it said last.
+/// A participant of which it is known what it said last.
 TEST(SlowSetup, ThatFallsSilentIsToldWithItsLastWords) {
   const TemporaryFolder folder;
   const auto run =

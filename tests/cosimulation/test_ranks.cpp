@@ -173,7 +173,7 @@ TEST(Rank, ThatWasSavedGoesOnToTheSameBytes) {
   }
 }
 
-/// What yields in a share of a part has the force of the whole, and every joule has an owner.
+/// Elements that yield in a share of a part have the force of the whole, and every joule has an owner.
 TEST(Rank, ThatYieldsKeepsTheBooks) {
   const TemporaryFolder folder;
   const RunResult run = run_text(with_ranks(with_protocol(yielding_impact(), "all_explicit"), 4), folder);

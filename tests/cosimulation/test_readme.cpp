@@ -9,7 +9,7 @@
 #include "tests/support/places.hpp"
 #include "tests/support/run.hpp"
 
-// What the README, docs/commands.md and docs/protocols.md promise of the commands, run for real.
+// The promises that the README, docs/commands.md and docs/protocols.md promise of the commands, run for real.
 
 namespace ricochet::test {
 namespace {
@@ -58,7 +58,7 @@ std::set<std::string> all(const std::string& text, const std::string& pattern) {
   return found;
 }
 
-/// What --help says, of the command itself or of a subcommand.
+/// The text of --help, of the command itself or of a subcommand.
 std::string help_of(const std::vector<std::string>& subcommand) {
   const TemporaryFolder folder;
   std::vector<std::string> words{ricochet_binary()};

@@ -331,7 +331,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, Island,
                          testing::Values("hughes_liu", "kim", "kim_predicted", "belytschko_mullen", "fixed_point"),
                          [](const auto& test) { return std::string(test.param); });
 
-/// What is fine enough is better off implicit; dual protocols have no small steps.
+/// A zone that is fine enough is better off implicit; dual protocols have no small steps.
 TEST(Island, IsImplicitWhereThatIsCheaperOrNothingElseIsHad) {
   const TemporaryFolder folder;
   const auto implicit_of = [&](const std::string& text) {

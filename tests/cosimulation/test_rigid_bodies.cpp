@@ -191,7 +191,7 @@ std::string blocks(const std::string& protocol, bool quarter) {
          under(protocol);
 }
 
-/// What planes of symmetry hold of it is held of all of it.
+/// Planes of symmetry that hold a quarter of it hold all of it.
 TEST(RigidQuarter, HasAQuarterOfTheImpulse) {
   const TemporaryFolder folder;
   for (const char* protocol : {"hughes_liu", "all_explicit"}) {

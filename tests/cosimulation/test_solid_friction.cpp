@@ -16,7 +16,7 @@ const double solid_c_l = std::sqrt(1e9 * 0.75 / (1000 * 1.25 * 0.5)), solid_c_s 
 /// Along the surface: the component along t, and as imaginary part that along n x t.
 using Along = std::complex<double>;
 
-/// What friction did over a window: its vector along t and n x t, and what goes with it.
+/// The effect of friction over a window: its vector along t and n x t, and what goes with it.
 struct Friction {
   double along_t, along_b, normal;
   Friction(const RunResult& run, std::size_t row)
@@ -121,7 +121,7 @@ TEST_P(SolidShear, StandsOnTheRightSideOfTheStickLimit) {
   }
 }
 
-/// Of 289 pairs the contact problem is too large for a dense inverse.
+/// With 289 pairs the contact problem is too large for a dense inverse.
 TEST(WideSolids, HaveTheForcesOfNarrowOnesPerArea) {
   const TemporaryFolder folder;
   for (const double v_t : {3.0, 20.0}) {

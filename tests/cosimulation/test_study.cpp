@@ -382,7 +382,7 @@ refine = { time.end_s = 1e-7, time.step_s = 2.2e-9 }
   EXPECT_THAT(page, HasSubstr(R"("title":"speed [m/s]","scale":{"type":"log","nice":false,"padding":12})"));
 }
 
-// Of solids: a key with one entry for each direction is varied, and errors fall with the mesh.
+// With solids, too, a key with one entry for each direction is varied, and errors fall with the mesh.
 TEST(Study, ErrorsOfSolidsFallWithTheMesh) {
   const TemporaryFolder folder;
   std::string scene = "model = \"solid\"\n";

@@ -56,7 +56,7 @@ TEST(Substeps, ThatAreTooManyAreWarnedOfByWhatTheInterfaceMakesOfTheEnergy) {
   }
 }
 
-/// Of a round contact, whose force rises over many windows, as many substeps are no trouble.
+/// In a round contact, whose force rises over many windows, as many substeps are no trouble.
 TEST(Substeps, ThatARoundContactBearsAreNot) {
   const TemporaryFolder folder;
   std::string text = with_protocol(with_absolute_meshes(config_text("two_balls_solid")), "prakash_hjelmstad");

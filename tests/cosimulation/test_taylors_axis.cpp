@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Protocols, TaylorsAxis,
                          testing::Values("hughes_liu", "prakash_hjelmstad", "all_implicit", "all_explicit"),
                          [](const auto& test) { return std::string(test.param); });
 
-/// What a cylinder of nu = 0.3, four radii long and `across` elements thick, gives a rigid plane or, at the same
+/// The push that a cylinder of nu = 0.3, four radii long and `across` elements thick, gives a rigid plane or, at the
 /// closing speed against it, another cylinder: impulse so far, over its area or not.
 struct Push {
   std::vector<double> impulse, impulse_per_area;

@@ -147,7 +147,7 @@ inline std::string clean_history(const TemporaryFolder& folder) {
   return clean.folder + "/history.csv";
 }
 
-/// What holds after any fault: whole files, rows as without the fault, nothing left, and the next run in the same
+/// Facts that hold after any fault: whole files, rows as without the fault, nothing left, and the next run in the same
 /// folder works as if nothing had been.
 inline void expect_recovery(FaultRun& run, const TemporaryFolder& folder) {
   const std::string clean = clean_history(folder);

@@ -129,7 +129,7 @@ using NameOverTransport = std::pair<std::string, std::string>;
 
 class NeverReads : public testing::TestWithParam<NameOverTransport> {};
 
-/// What it is sent waits for it, one message, and it is named when the time for an answer is over.
+/// One message that it is sent waits for it, and it is named when the time for an answer is over.
 TEST_P(NeverReads, it_is_named_at_the_deadline_and_nobody_else_is_kept) {
   const auto& [name, transport] = GetParam();
   const TemporaryFolder folder;

@@ -30,7 +30,7 @@ class ByHand {
   Process process_;
 };
 
-/// What the coupler says the user shall type behind the name: --connect ENDPOINT --key FILE.
+/// The words that the coupler says the user shall type behind the name: --connect ENDPOINT --key FILE.
 std::vector<std::string> offered(FaultRun& run) {
   const std::string option = "--connect ";
   wait_until([&] { return run.error_text().find(option) != std::string::npos || !run.coupler().running(); }, 10.0);
@@ -202,7 +202,7 @@ TEST(StrangersAmongTheRun, second_participant_of_a_name_while_windows_are_comput
   expect_recovery(run, folder);
 }
 
-/// Who was turned away and does not come again is said when the run gives up waiting.
+/// A stranger that was turned away and does not come again is named when the run gives up waiting.
 TEST(StrangersAmongTheRun, a_refusal_is_told_when_nobody_else_comes) {
   const TemporaryFolder folder;
   FaultRun run(folder, with_participants(bars(few_windows, 2.0), "explicit", "", by_hand));

@@ -1,4 +1,4 @@
-// What lies in a folder of results and around a run: halves, names, FIFOs, locks, sockets of who was killed, early
+// Things in a folder of results and around a run: halves, names, FIFOs, locks, sockets of who was killed, early
 // signals.
 #include <fcntl.h>
 #include <fmt/format.h>

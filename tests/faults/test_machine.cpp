@@ -1,4 +1,4 @@
-// What the machine lacks: files, disk, memory, standard files. Exit code 7 with the cause and the place.
+// Things that the machine lacks: files, disk, memory, standard files. Exit code 7 with the cause and the place.
 #include "tests/faults/fault_run.hpp"
 
 namespace ricochet::test {

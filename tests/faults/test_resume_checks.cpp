@@ -1,4 +1,4 @@
-// What `ricochet resume` goes on from is what was written, by the programs that began, and named by who may name it.
+// `ricochet resume` goes on from what was written, by the programs that began, and named by who may name it.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -108,7 +108,7 @@ TEST_P(DamagedResults, are_named_and_nothing_goes_on_from_them) {
 INSTANTIATE_TEST_SUITE_P(Faults, DamagedResults, testing::ValuesIn(damages),
                          [](const auto& test) { return test.param.name; });
 
-/// What was damaged behind the checkpoint before is computed once more from there.
+/// Results damaged behind the checkpoint before is computed once more from there.
 TEST(DamagedResults, BehindTheCheckpointBeforeAreComputedOnceMore) {
   const TemporaryFolder folder;
   const auto whole = run_text(with_all_kept(), folder, "whole");

@@ -95,7 +95,7 @@ class Resumed : public testing::TestWithParam<Kills> {
     return words;
   }
   [[nodiscard]] std::string disk() const { return (folder_.path() / "disk").string(); }
-  /// What was synchronised is all there is.
+  /// Only what was synchronised is there.
   void lose_what_was_not_synchronised(const std::string& out) {
     int last = 0;
     for (const auto& name : names_in(folder_.path().string())) {

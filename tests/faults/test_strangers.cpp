@@ -1,4 +1,4 @@
-// Who has no key of the run: whatever they send, the run goes on and nothing of it is taken.
+// Strangers without a key of the run: whatever they send, the run goes on and nothing of it is taken.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
@@ -190,7 +190,7 @@ TEST_F(Flood, hides_no_death) {
                  30.0);
 }
 
-/// What a participant says last is heard, though strangers get the number of its connection when it ends.
+/// The last words of a participant are heard, though strangers get the number of its connection when it ends.
 TEST_F(Flood, swallows_no_last_words) {
   EXPECT_EQ(run_.coupler().wait(60.0), 0) << run_.error_text();
   EXPECT_EQ(run_.summary().at("status"), "done");

@@ -24,7 +24,7 @@ const std::vector<Command> commands = {
     {"study", {"study", "STUDY", "--out", "."}, {"results.csv", "study.json", "report.html", "runs/draft.toml"}},
 };
 
-/// Of every kind that some command writes, under names that none of these takes.
+/// Files of every kind that some command writes, under names that none of these takes.
 const std::vector<std::string> foreign = {
     "mine/scene.toml",    "results_of_mine.csv", "charts/mine.svg", "logs/mine.log",
     "variants/mine.toml", "fields/mine.vtu",     "fields/mine.pvd", "notes.txt"};

@@ -13,7 +13,7 @@
 
 #include "common/base/error.hpp"
 
-/// What the fuzz targets share. A target defines `LLVMFuzzerTestOneInput`, as libFuzzer wants it: it is called with one
+/// Common to the fuzz targets. A target defines `LLVMFuzzerTestOneInput`, as libFuzzer wants it: it is called with one
 /// input after another, and has to come back from each.
 namespace ricochet::fuzz {
 

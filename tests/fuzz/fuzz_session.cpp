@@ -10,7 +10,7 @@ namespace {
 
 using namespace ricochet;
 
-/// What `message` is when it has been through the wire. Throws SolverError for numbers that the wire does not carry.
+/// Sends `message` through the wire. Throws SolverError for numbers that the wire does not carry.
 void pass(const wire::Message& message, wire::Message& received) {
   static msgpack::sbuffer buffer;
   wire::encode(message, buffer);

@@ -1,4 +1,4 @@
-// The decoder of the wire. What it accepts is encoded again, and must then be read as the same bytes.
+// The decoder of the wire. A message that it accepts is encoded again, and must then be read as the same bytes.
 #include <cstdlib>
 
 #include "common/wire/codec.hpp"

@@ -52,7 +52,7 @@ TEST(KeptColumns, OfManyForcesAskForTheProduct) {
   EXPECT_EQ(of.products, 1);
 }
 
-/// What a run that goes on from a checkpoint has kept is not what one has that was never stopped.
+/// The columns that a run has kept which goes on from a checkpoint are not what one has that was never stopped.
 TEST(KeptColumns, GiveTheSameBitsWhateverIsKept) {
   Counted of;
   auto wandered = of.columns(5, 10), fresh = of.columns(5, 10);

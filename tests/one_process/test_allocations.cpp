@@ -44,7 +44,7 @@ std::string impact(const std::string& protocol, int substeps) {
   return substeps == 1 ? text : test::with_key(text, "coupling", "substeps", fmt::format("{}", substeps));
 }
 
-/// Of a run but for its first deliveries of history rows, which let vectors reach their size.
+/// The allocations of a run but for its first deliveries of history rows, which let vectors reach their size.
 struct Count {
   long long allocations = 0, windows = 0,
             deliveries = 0;  ///< allocations between deliveries, not by who takes the rows

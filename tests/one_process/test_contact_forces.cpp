@@ -8,7 +8,7 @@
 #include "tests/support/merged_history.hpp"
 #include "tests/support/run.hpp"
 
-// What a contact force is: the impulse over a window, divided by its size. For every contact law, protocol and baseline
+// A contact force is the impulse over a window, divided by its size. For every contact law, protocol and baseline
 // the forces of all windows then add up to the change of momentum of each body, and friction stays in its cone window
 // by window.
 

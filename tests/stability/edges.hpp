@@ -4,7 +4,7 @@
 
 #include "tests/support/run.hpp"
 
-/// What the tests of docs/limits.md share: where a method's edge lies, and what the program says on either side.
+/// Shared by the tests of docs/limits.md: where a method's edge lies, and what the program says on either side.
 namespace ricochet::test {
 
 /// The number between `lower` and `upper` from which on `beyond` holds, by bisection to 0.5 %; it must not hold at

@@ -116,7 +116,7 @@ TEST_P(Edge, IsWhereCheckDrawsTheLine) {
   EXPECT_THAT(result.outcome.out, HasSubstr("critical time step of the scene " + edge + " s"));
 }
 
-// Of solids, whose elements beside the contact have Poisson's ratio to widen them.
+// For solids, whose elements beside the contact have Poisson's ratio to widen them.
 TEST(SolidEdge, IsMeasuredByBisectionToHalfAPercent) {
   std::string text = "model = \"solid\"\n";
   for (const auto& [name, start, speed] : {std::tuple{"left", 0.0, 10.0}, std::tuple{"right", 0.04, 0.0}}) {

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-/// What the kernel says of the processes and sockets of this machine.
+/// The facts that the kernel tells of the processes and sockets of this machine.
 namespace ricochet::test {
 
 /// A file of /proc; empty if its process ends meanwhile (the stream turns that error into an end of the text).

@@ -18,7 +18,7 @@
 /// Ranks that are threads of this process, so that a debugger and the sanitizers see all of them.
 namespace ricochet::test {
 
-/// What ranks have sent each other and not yet taken.
+/// The messages that ranks have sent each other and not yet taken.
 class Mailboxes {
  public:
   void send(int from, int to, std::string bytes) {

@@ -43,7 +43,7 @@ RunResult run_file(const std::string& scene, const TemporaryFolder& folder, cons
 /// Runs a scene given as text and expects it to be done.
 RunResult run_text(const std::string& text, const TemporaryFolder& folder, const std::string& name = "scene");
 
-/// What `ricochet check` says of a scene that it is expected to refuse.
+/// The error of `ricochet check` for a scene that it is expected to refuse.
 std::string check_refusal(const std::string& text);
 
 std::string config_text(const std::string& name);

@@ -176,7 +176,7 @@ class Wrong : public Participant {
   void finish() override { solver_->finish(); }
 
  private:
-  /// What the solver is told.
+  /// The setup that the solver is told.
   [[nodiscard]] Setup mine(const Setup& setup) const {
     Setup mine = setup;
     if (flaw_ == "one_step") {  // of as many as there should be

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 const std::string foreign_program = source_folder() + "/tests/swap/foreign_body.py";
 const std::string foreign_material = "{ youngs_modulus_pa = 210e9, poisson_ratio = 0.3, density_kg_m3 = 7800.0 }";
 
-/// What a model says of a body 0.02 m across; `size`, `elements`: across, of the foreign program.
+/// The keys of a model for a body 0.02 m across; `size`, `elements`: across, of the foreign program.
 struct ForeignModel {
   const char* name;
   int components;
@@ -332,7 +332,7 @@ TEST(ForeignBody, IsComparedByItsMassIfTheSceneGivesIt) {
   }
 }
 
-/// What a run says of a program whose file has this in place of that.
+/// The error of a run for a program whose file has this in place of that.
 std::string refusal(const std::string& from, const std::string& to, int code = 2) {
   TemporaryFolder folder;
   write_foreign_file(folder, plane_model);
@@ -411,7 +411,7 @@ std::string scene_of_a_stiffening_tail(const TemporaryFolder& folder, const std:
   return replaced(joined_scene(bar_model, protocol, substeps), "./foreign_body.py", "./stiffening_body.py");
 }
 
-/// What measures a response at the start would take that of small strains for all that come.
+/// A protocol that measures a response at the start would take that of small strains for all that come.
 TEST(ForeignBody, ThatIsNotLinearIsRefusedByNameWhereLinesAreAskedFor) {
   for (const auto& [protocol, substeps] : {std::pair{"belytschko_mullen", 1}, std::pair{"prakash_hjelmstad", 2}}) {
     TemporaryFolder folder;

@@ -240,7 +240,7 @@ TEST(PythonBar, LeavesOfProbesNothingUnsaid) {
   }
 }
 
-/// What nobody but the participant itself knows reaches axial_stress.csv; layers of which nobody tells are not in it.
+/// Stress that nobody else knows reaches axial_stress.csv; layers of which nobody tells are not in it.
 TEST(PythonBar, TellsItsAxialStressLikeOurs) {
   TemporaryFolder folder;
   const auto stress = [&folder](const std::string& executable, const std::string& name) {
@@ -535,7 +535,7 @@ TEST(PythonWire, KnowsTheLegalOrder) {
 
 TEST(PythonWire, RefusesWhatIsNoMessageByName) {
   TemporaryFolder folder;
-  // What the Python end says to a message of the coupler that is `welcome` but for one entry.
+  // The answer of the Python end to a message of the coupler that is `welcome` but for one entry.
   const auto refusal = [&](const std::string& change) {
     const auto outcome = run_command(
         {"/usr/bin/python3", "-c",

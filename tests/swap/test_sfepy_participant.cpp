@@ -81,7 +81,7 @@ TEST(Sfepy, GoesOnFromWhatItSaved) {
   expect_same_results(half, whole.folder);
 }
 
-/// What `ricochet stability` says of a scene at a step below the critical one and at one above it.
+/// The verdicts of `ricochet stability` for a scene at a step below the critical one and at one above it.
 std::string verdicts(const std::string& scene, const TemporaryFolder& folder, const std::string& name) {
   const auto out = (folder.path() / (name + "_stability")).string();
   const auto outcome = run_command(

@@ -52,7 +52,7 @@ std::string bars_in_two_steps_by(const std::string& flaw, const std::string& key
   return with_key(with_steps(bars_by(flaw, "prakash_hjelmstad", keys), 2), "time", "step_s", "4.452e-6");
 }
 
-/// Of two equal bars that are equally wrong the momenta would cancel.
+/// The momenta of two equal bars that are equally wrong would cancel.
 std::string left_bar_in_two_steps_by(const std::string& flaw, const std::string& keys) {
   return replaced(bars_in_two_steps_by(flaw, keys), "bodies = [\"left\", \"right\"]", "bodies = [\"left\"]") +
          "[[participant]]\nname = \"other\"\nrole = \"explicit\"\nbodies = [\"right\"]\n";
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
             2,
             {"(implicit) described 'contact_owner' = false, allowed: true; of the contact of this scene it integrates "
              "the nodes, and nobody else would keep the surfaces apart"}},
-        // What time brings to light.
+        // Flaws that time brings to light.
         Misuse{"never_moves",
                bars_by("never_moves"),
                2,
@@ -200,7 +200,7 @@ INSTANTIATE_TEST_SUITE_P(
                bars_in_two_steps_by("one_step"),
                2,
                {"its velocity after a window of 2 steps by forces of some ", "component 0: "}},
-        // Who may differ is looked after while it computes.
+        // A participant that may differ is looked after while it computes.
         Misuse{"one_step",
                left_bar_in_two_steps_by("one_step", "differing_bodies = [\"left\"]"),
                3,

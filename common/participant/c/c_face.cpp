@@ -95,7 +95,7 @@ std::vector<double> copied(const double* values, std::size_t count) {
   return values ? std::vector<double>(values, values + count) : std::vector<double>{};
 }
 
-/// Of this process: a caller in Fortran has no argv.
+/// The arguments of this process: a caller in Fortran has no argv.
 participant::Arguments own_arguments() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;

@@ -24,7 +24,7 @@ struct Chart {
   Json rows = Json::array();
 };
 
-/// What page.js and draw_pictures.js draw it from: {"id", "title", "note", "link", "columns", "rows", "spec"}.
+/// Input of page.js and draw_pictures.js: {"id", "title", "note", "link", "columns", "rows", "spec"}.
 [[nodiscard]] std::string to_json(const Chart& chart);
 
 /// The HTML frame that page.js draws it into.

@@ -5,7 +5,7 @@
 
 namespace ricochet::report {
 
-/// What an axis shows of a history whose few largest values are much larger than all others: a contact that closes in
+/// Range of an axis for a history whose few largest values are much larger than all others: a contact that closes in
 /// one step carries an impulse in one row, beside which everything else would be a flat line.
 struct ShownRange {
   double low = -std::numeric_limits<double>::infinity(), high = -low;  ///< infinite: whatever there is

@@ -14,7 +14,7 @@ std::string error_cell(const Json& quantity, const char* key, int digits = 2) {
   return "<td>" + (known ? fmt::format("{:.{}g}", found->get<double>(), digits) : std::string("unknown")) + "</td>";
 }
 
-/// Of what the scene asks for.
+/// The text on what the scene asks for.
 std::string asked_text(const Json& quantity) {
   const auto asked = number(quantity, "asked");
   if (!asked) return "";

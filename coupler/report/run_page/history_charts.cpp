@@ -37,7 +37,7 @@ double largest(const std::vector<double>& values) {
   return found;
 }
 
-/// What the `*` of `pattern` stands for in `name`; false if the name does not match.
+/// Finds what the `*` of `pattern` stands for in `name`; false if the name does not match.
 bool matches(const std::string& pattern, const std::string& name, std::string& star) {
   const auto at = pattern.find('*');
   if (at == std::string::npos) return pattern == name;
@@ -100,7 +100,7 @@ void add_rows(Chart& chart, const std::vector<Series>& shown, const std::vector<
                   chart.note.empty() ? "" : " ", kept.size(), time.size());
 }
 
-/// What is the same in all charts over this time axis.
+/// All that is the same in all charts over this time axis.
 struct TimeAxis {
   DisplayUnit unit;
   double from = 0, to = 0;

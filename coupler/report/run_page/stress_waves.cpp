@@ -110,7 +110,7 @@ std::vector<std::vector<Body>> diagrams_of(std::vector<Body> bodies) {
   return alone;
 }
 
-/// What the colours reach to, and the stress beyond that is largest, if any.
+/// The stress that the colours reach to, and the stress beyond that is largest, if any.
 struct Scale {
   double end_pa = 0, beyond_pa = 0, beyond_s = 0;
 };
@@ -234,7 +234,7 @@ Json colour_names() {
   return names;
 }
 
-/// What is listed body by body or layer by layer in the specification, in display units.
+/// The values that are listed body by body or layer by layer in the specification, in display units.
 struct Listed {
   Json lows = Json::array(), highs = Json::array(), bodies = Json::array(), names = Json::array(),
        planes = Json::array(), images = Json::array();

@@ -7,7 +7,7 @@
 
 namespace ricochet::report {
 
-/// What a chart over time shares with the others: its range and the times that it marks [s].
+/// The part that a chart over time shares with the others: its range and the times that it marks [s].
 struct TimeRange {
   double from_s = 0, to_s = 0;
   std::vector<double> events_s;

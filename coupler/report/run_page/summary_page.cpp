@@ -62,7 +62,7 @@ std::string named_contact_row(const std::string& name, const Json& contact) {
 std::string contact_rows(const Json& summary) {
   const auto first = number(summary, "first_contact_s"), separation = number(summary, "separation_time_s");
   if (!first) {
-    // Of a scene without contact the run has no level of forces, either.
+    // In a scene without contact the run has no level of forces, either.
     const bool none = number(summary, "rise_time_s").value_or(0.0) == 0.0;
     return row("contact", none ? "none in this scene" : "none in this run: the bodies never met");
   }

@@ -94,7 +94,7 @@ std::vector<EdgeUse> edge_uses(const Shapes& shapes, const std::vector<std::vect
   return uses;
 }
 
-/// What the cells that share an edge make of it.
+/// The kind that the cells which share an edge make of it.
 EdgeKind kind_of(const Shapes& shapes, const EdgeUse* begin, const EdgeUse* end) {
   const auto& piece = shapes.pieces[begin->piece];
   const auto& cell = piece.cells[begin->cell];

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What one file holds.
+/// The content of one file.
 struct ShapeFile {
   std::string path, model;
   double largest_window_s = 0;

@@ -6,7 +6,7 @@
 #include "coupler/report/parts/chart.hpp"
 #include "coupler/report/parts/csv_table.hpp"
 
-/// What the charts and tables of a study's page share. `study` is its study.json.
+/// The parts that the charts and tables of a study's page share. `study` is its study.json.
 namespace ricochet::report {
 
 /// Width of the plotting area of a chart that shares its line with another one [px].
@@ -29,7 +29,7 @@ struct MethodLooks {
 };
 [[nodiscard]] MethodLooks looks_of(const std::vector<std::string>& methods);
 
-/// What draws the reference's own error of a quantity, the largest one of several references; empty where it is exact
+/// Draws the reference's own error of a quantity, the largest one of several references; empty where it is exact
 /// or has no such error.
 [[nodiscard]] Json reference_rule(const Json& study, const std::string& quantity);
 

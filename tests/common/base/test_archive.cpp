@@ -109,7 +109,7 @@ TEST(Archive, SaysWhatIsWrong) {
   EXPECT_EQ(refusal(std::string(16, '\1'), [&](Archive& in) { in(either); }), "the sample: another kind of state");
 }
 
-/// Of which some has one size in every state of a scene.
+/// Some of it has one size in every state of a scene.
 struct Body {
   std::vector<double> u = {1.0, 2.0};
   std::optional<double> contact = 3.0;
@@ -127,7 +127,7 @@ std::string written_body(Body body) {
   return out.take();
 }
 
-/// What is said of `bytes` by who reads them into a new body.
+/// The words on `bytes` when they are read into a new body.
 std::string refusal_of(const std::string& bytes) {
   Body body;
   Archive in(bytes, "the state");

@@ -86,7 +86,7 @@ TEST(ContactRecord, OfSeveralContactsEndsWithWhatIsToldOfEach) {
   }
 }
 
-/// What is told of each contact is told of all together, by the same name.
+/// Everything that is told of each contact is told of all together, by the same name.
 TEST(ContactRecord, OfEachContactHasNumbersOfAllContacts) {
   for (const auto& [name, member] : named_contact_quantities) {
     bool found = false;

@@ -280,7 +280,7 @@ TEST_P(StretchedBlock, FollowsTheLawOfJohnsonAndCook) {
 INSTANTIATE_TEST_SUITE_P(Models, StretchedBlock, testing::ValuesIn(models),
                          [](const auto& info) { return std::string(info.param); });
 
-/// So many points flow that threads share them.
+/// Enough points flow for threads to share them.
 TEST(StretchedBlock, HasTheSameBitsFromAnyNumberOfThreads) {
   Moved one("solid", johnson_cook), three("solid", johnson_cook);
   three.body().parallel = std::make_shared<Parallel>(3);

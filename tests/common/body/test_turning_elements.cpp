@@ -79,7 +79,7 @@ TEST_P(TurningElementsOf, HaveNoForceWhereTheirPartHasTurnedAsAWhole) {
   EXPECT_LT((body().rotation() - some_turn()).norm(), 1e-13);
 }
 
-/// What a part turned, it turns its forces, and neither its energy nor their sums know of the turn.
+/// A turn of the part turns its forces, and neither its energy nor their sums know of the turn.
 TEST_P(TurningElementsOf, TurnTheForcesWithThePart) {
   const Eigen::VectorXd strained = noise(1e-4);
   move(Eigen::Matrix3d::Identity(), strained);
@@ -117,7 +117,7 @@ TEST_P(TurningElementsOf, PushAsTheGradientOfTheirEnergy) {
   EXPECT_NEAR((above - below) / (2.0 * step) / pushed.dot(direction), 1.0, 1e-7);
 }
 
-/// Of no strain the tangent is exact, but for what turns the frame against the part, of which there is none.
+/// Without strain the tangent is exact, but for what turns the frame against the part, of which there is none.
 TEST_P(TurningElementsOf, HaveTheTurnedStiffnessForATangent) {
   move(some_turn(), Eigen::VectorXd::Zero(body().part.dofs()));
   const Eigen::VectorXd from = body().u, direction = noise(1.0);

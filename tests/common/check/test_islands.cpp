@@ -53,7 +53,7 @@ Problem ball_on_plate(const std::string& protocol) {
   return build_problem(load_text(text + "[coupling]\nprotocol = \"" + protocol + "\"\n"));
 }
 
-/// Of a mesh of Gmsh, under a dual protocol, whose explicit side has no small steps.
+/// In a mesh of Gmsh, under a dual protocol, whose explicit side has no small steps.
 TEST(Islands, AreTheImplicitElementsThatHangOnNoContact) {
   const auto problem = ball_on_plate("prakash_hjelmstad");
   const auto all = islands_of(problem);

@@ -64,7 +64,7 @@ TEST(MasslessNodes, LeaveABodyTheSameMassAlongEveryCoordinate) {
   EXPECT_NEAR(mass[1], 120.0, 1e-11);
 }
 
-// Of triangles, whose diagonals end at contact nodes too, on a plate of rectangles; 40 kg each.
+// Triangles, whose diagonals end at contact nodes too, on a plate of rectangles; 40 kg each.
 TEST(MasslessNodes, WithSeveralNeighboursGiveEachAShare) {
   const test::TemporaryFolder folder;
   const std::string mesh = folder.write(test::rectangle_msh("lower", {0.2, -0.2, 0.2, 2, 2}), "lower.msh");

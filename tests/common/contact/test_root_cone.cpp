@@ -100,7 +100,7 @@ TEST(RootCone, SolvesRandomProblemsToTheirConditions) {
   EXPECT_LT(by_newton, problems) << "else the sweeps are not tried";
 }
 
-/// So much friction between pairs so coupled that a solution need not exist: what is not found is said.
+/// Pairs with much friction are coupled until a solution need not exist: what is not found is said.
 TEST(RootCone, SaysWhatItDidNotFind) {
   std::mt19937 random(3);
   int problems = 0, found = 0;

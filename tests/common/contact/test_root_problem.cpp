@@ -325,7 +325,7 @@ TEST(RootProblem, SolvesRegularisedProblemsWhoseStatesCycle) {
   }
 }
 
-/// Of D only products, and what bounds it.
+/// Only products of D, and what bounds it.
 Compliance products_of(const Eigen::MatrixXd& dense) {
   return {[dense](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y.noalias() = dense * x; },
           dense.cwiseAbs().rowwise().sum()};

@@ -71,7 +71,7 @@ TEST(SurfaceStress, IsThatOfTheElementsBesideTheSurface) {
   EXPECT_NEAR(mean_of(text, [](const auto& x) { return Eigen::Vector2d(0.0, -0.25 * x[1] * x[1]); }), 0.75, 1e-12);
 }
 
-// Of an element whose stress changes across it, that at the edge: u_x = x y strains x by y, which is 0 on the surface.
+// An element whose stress changes across it has that at the edge: u_x = x y strains x by y, which is 0 on the surface.
 TEST(SurfaceStress, IsTakenAtTheEdgeNotInTheMiddle) {
   const std::string text = block("plane_strain", "height_m = 4.0, elements = [1, 2]");
   const double at_edge = mean_of(text, [](const auto& x) { return Eigen::Vector2d(-(x[0] - 2.0) * x[1], -x[1]); });

@@ -47,7 +47,7 @@ TEST(PredictedCost, KnowsTheStepOfAllExplicitAndWhatMovesFromTheStart) {
   EXPECT_GE(cost_of(bars).all_explicit_s, flies) << "gravity moves all of it";
 }
 
-/// The price of yield and turn in docs/limits.md. What an explicit step takes is measured here and now, and not
+/// The price of yield and turn in docs/limits.md. The time of an explicit step is measured here and now, and not
 /// compared.
 TEST(PredictedCost, CountsTheSolvesOfBodiesThatYieldOrTurn) {
   const PredictedCost linear = cost_of(scene_of("rounded_striker"));

@@ -12,7 +12,7 @@ ElementGeometry line(double from_m, double to_m) {
   return geometry;
 }
 
-// Of a mesh without copies a value of every element would take several times the memory of K.
+// For a mesh without copies a value of every element would take several times the memory of K.
 TEST(ElementCopies, AreMadeOnceAndOfAMeshWithoutThemAnewAtAskingAgain) {
   ElementCopies<double> copies(Model::bar);
   int made = 0;

@@ -55,7 +55,7 @@ struct Body {
   }
 };
 
-/// Of a uniform mesh of the coarse elements [s].
+/// The critical step of a uniform mesh of the coarse elements [s].
 double coarse_step(Model model) {
   const Body body(jump_mesh(model, 1));
   return 2.0 / std::sqrt(body.frequencies_squared(body.part.stiffness).maxCoeff());

@@ -111,7 +111,7 @@ std::map<std::string, std::vector<double>> expected_fields(const Written& writte
   return fields;
 }
 
-/// What print_vtu.py prints, by name of the array.
+/// The numbers that print_vtu.py prints, by name of the array.
 std::map<std::string, std::vector<double>> read_with_meshio(const std::string& path) {
   const std::string command =
       "/usr/bin/python3 " + test::source_folder() + "/tests/common/fem/print_vtu.py '" + path + "' 2>&1";

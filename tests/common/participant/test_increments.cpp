@@ -1,4 +1,4 @@
-// What travels is increments: they add up to the absolute values, repeat bit by bit, and a resynchronisation replaces
+// Increments travel: they add up to the absolute values, repeat bit by bit, and a resynchronisation replaces
 // them.
 #include <gmock/gmock.h>
 

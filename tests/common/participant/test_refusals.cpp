@@ -344,7 +344,7 @@ struct KeptSpring : SpringMass {
   void restore_state(std::string_view) override {}
 };
 
-/// What a session of one node would have kept.
+/// The state that a session of one node would have kept.
 std::string kept(std::int64_t window, std::vector<double> link, std::vector<double> rows,
                  std::vector<double> stress_rows, std::vector<double> force_rows = {}, std::int64_t contacts = -1,
                  double size_s = 0.01) {

@@ -106,7 +106,7 @@ TEST_F(Serve, TellsWhenTheSolverFails) {
   EXPECT_EQ(said_, "spring: error: window 2: the friction coefficient is missing\n");
 }
 
-/// What a solver may throw, and the exit code it ends with.
+/// An error that a solver may throw, and the exit code it ends with.
 struct Thrown {
   std::string name;
   std::function<void()> raise;

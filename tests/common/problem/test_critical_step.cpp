@@ -37,7 +37,7 @@ TEST(CriticalStep, OfALargeBodyIsFoundAsExactlyAsTheStepAsksFor) {
   EXPECT_NEAR(critical_time_step(body, all, false, 0.9999 * exact_s), exact_s, 1e-8 * exact_s);
 }
 
-/// Of a small one it is exact, for it is printed.
+/// It is exact for a small one, for it is printed.
 TEST(CriticalStep, OfASmallBodyIsExact) {
   const BodyProblem body = bar_of(200);
   const std::vector<bool> all(body.mesh.elements.size(), true);

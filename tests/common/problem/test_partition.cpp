@@ -133,7 +133,7 @@ TEST(AutomaticRule, TakesABadElementOnlyWhereItsNeighboursDoNotMakeUpForIt) {
   }
 }
 
-/// What is left explicit bears the step, and not because nothing is.
+/// All that is left explicit bears the step, and not because nothing is.
 TEST(AutomaticRule, LeavesTetrahedraThatBearTheStepTogether) {
   Scene scene = load_scene(test::source_folder() + "/configs/ball_on_plate.toml");
   for (const double step_s : {3e-8, 9e-8}) {

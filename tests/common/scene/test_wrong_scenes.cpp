@@ -1120,7 +1120,7 @@ std::vector<Wrong> with_more_edits() {
 
 std::string name_of(const testing::TestParamInfo<Wrong>& info) { return info.param.name; }
 
-/// Of the scene with a foreign body.
+/// The scene with a foreign body.
 const std::string* const f = &joined_bars;
 const std::vector<Wrong> foreign_bodies{
     {"foreign_is_no_flag", f, "foreign = true", "foreign = 1", 4, {"body[0].foreign: found 1", "true or false"}},

@@ -75,7 +75,7 @@ const participant::Departure* find(const std::vector<participant::Departure>& al
   return nullptr;
 }
 
-/// What is round is not the same at all places, as a plane is; and it has no end.
+/// A round surface is not the same at all places, as a plane is; and it has no end.
 TEST(ModelWatch, SeesSlipOnARigidCylinderAndNoneOnAPlane) {
   for (const bool round : {true, false}) {
     Plates plates("plane_strain", "", round ? "\"rigid_cylinder\"]\nrigid_radius_m = 1.0" : "\"rigid_plane\"]");

@@ -34,7 +34,7 @@ std::vector<double> even(int elements, double low, double high) {
   return places;
 }
 
-/// What a row interpolates of a function of the place, from its values at the nodes of the other surface.
+/// The value that a row interpolates of a function of the place, from its values at the nodes of the other surface.
 template <class F>
 double opposite(const MortarRow& row, const std::vector<double>& places, const F& f) {
   double sum = 0.0;
@@ -204,7 +204,7 @@ std::map<int, Eigen::Vector3d> places_of(const std::vector<SurfaceFace>& faces) 
   return places;
 }
 
-/// What a constant pressure of 1 gives each node of a surface.
+/// The force that a constant pressure of 1 gives each node of a surface.
 std::map<int, double> nodal_areas(const std::vector<SurfaceFace>& faces) {
   std::map<int, double> areas;
   for (const auto& row : OppositeFaces(square(1, false, 0.0, false), {0.0, 0.0}).rows(faces, {0.0, 0.0, 0.0}))

@@ -19,7 +19,7 @@ std::string page() {
   return text.str();
 }
 
-/// What stands between two marker lines.
+/// The text between two marker lines.
 std::string section(const std::string& name) {
   const std::string text = page(), begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->\n";
   const auto first = text.find(begin), last = text.find(end);

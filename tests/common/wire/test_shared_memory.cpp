@@ -189,7 +189,7 @@ TEST_F(Ring, NoMessageIsSleptThrough) {
   other.join();
 }
 
-/// So many messages of all short lengths, as fast as two threads can pass them, come in order and whole. The
+/// Many messages of all short lengths, as fast as two threads can pass them, come in order and whole. The
 /// environment variable RICOCHET_RING_MESSAGES says how many; docs/security.md has the time of 1e8.
 TEST_F(Ring, KeepsOrderAndBytesOfMillions) {
   const char* asked = std::getenv("RICOCHET_RING_MESSAGES");
@@ -304,7 +304,7 @@ TEST(SharedMemory, OpensNothingElse) {
   close(ends[1]);
 }
 
-/// What has our label without our size or without being protected from shrinking, as another release might make it.
+/// Memory with our label, without our size or without being protected from shrinking, as another release might make it.
 TEST(SharedMemory, OpensNoneThatMayShrink) {
   const int small = memfd_create("ricochet", MFD_ALLOW_SEALING);
   ASSERT_EQ(fcntl(small, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL), 0);

@@ -146,7 +146,7 @@ TEST_F(PeersTest, DeathBeforeHelloIsNoticedAtOnceWithTheLog) {
                           HasSubstr("cannot find the mesh")));
 }
 
-/// What a run's transport makes of a participant that offers shared memory, of one that does not, and of one that
+/// The answer of a run's transport to a participant that offers shared memory, of one that does not, and of one that
 /// offers what is not its own.
 TEST_F(PeersTest, SharedMemoryIsTakenWhereItIsOfferedAndWanted) {
   using Offer = Client::Offer;

@@ -187,7 +187,7 @@ TEST(Exchange, ResynchronisationFindsDrift) {
   EXPECT_GT(coupling->largest_drift(), 1e-6);
 }
 
-/// What one prepares takes none of the others' time.
+/// The preparation of one takes none of the others' time.
 TEST(Exchange, EverybodyIsInitialisedAtTheSameTime) {
   Pair pair;
   std::vector<std::string> order;
@@ -236,7 +236,7 @@ TEST(Exchange, OneOrTwoExplicitParticipantsAreBitIdentical) {
   EXPECT_GT(middle_1.u.norm(), 0.1);
 }
 
-// What docs/contributing.md says it takes: a file named like it, a line in protocols.cpp, a row in the scene's table.
+// As docs/contributing.md says, it takes a file named like it, a line in protocols.cpp, a row in the scene's table.
 TEST(Registry, AProtocolIsAFileALineAndARowOfTheSceneTable) {
   EXPECT_THAT(implemented_protocols(), testing::UnorderedElementsAreArray(scene::protocol_names()));
   for (const auto& protocol : scene::protocols()) {

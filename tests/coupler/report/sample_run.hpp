@@ -12,7 +12,7 @@
 
 namespace ricochet::report {
 
-/// What a ConfigError says that the action throws; empty if it throws none.
+/// The text of a ConfigError that the action throws; empty if it throws none.
 template <class Action>
 std::string config_error(Action action) {
   try {

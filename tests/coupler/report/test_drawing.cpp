@@ -1,4 +1,4 @@
-// What is drawn: thinning, units, and the choice of charts and series.
+// Drawing: thinning, units, and the choice of charts and series.
 #include <gmock/gmock.h>
 
 #include <algorithm>

@@ -170,7 +170,7 @@ TEST(ScenePage, DrawsACylinderOnItsRadiusAboutItsMiddle) {
   EXPECT_NEAR(farthest_m(drawn[0], 1), -0.25, 1e-12);
 }
 
-/// What is nearest to the block is the pole; all places of the sphere lie on it.
+/// The point nearest to the block is the pole; all places of the sphere lie on it.
 TEST(ScenePage, DrawsTheCapOfASphereAndTheShellOfACylinderUnderASolid) {
   const std::string text = R"(model = "solid"
 [[body]]

@@ -1,4 +1,4 @@
-// What the picture of the deformed bodies is drawn from: files of participants, times, magnification.
+// The sources of the picture of the deformed bodies: files of participants, times, magnification.
 #include <gmock/gmock.h>
 
 #include <cmath>

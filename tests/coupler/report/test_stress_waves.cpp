@@ -22,7 +22,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// What a script prints of a file.
+/// The text that a script prints of a file.
 std::string said_by_python(const std::string& script, const std::string& path) {
   const std::string command = "/usr/bin/python3 -c \"" + script + "\" '" + path + "' 2>&1";
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
@@ -33,7 +33,7 @@ std::string said_by_python(const std::string& script, const std::string& path) {
   return text;
 }
 
-/// What an independent reader finds in a PNG file of ours: width, height, then the colours as hexadecimal numbers.
+/// Content that a separate reader finds in a PNG file of ours: width, height, then the colours as hexadecimal numbers.
 std::string decoded(const std::string& path) {
   const std::string script =
       "import sys,zlib,struct\n"

@@ -36,7 +36,7 @@ class CheckpointFolderTest : public testing::Test {
     checkpoint.parts = {{"a", "bytes of a"}, {"b", ""}};
     return checkpoint;
   }
-  /// Of the run: longer than what any of these checkpoints needs.
+  /// The history of the run: longer than what any of these checkpoints needs.
   static std::string history() { return std::string(500, 'h'); }
   void SetUp() override {
     write("history.csv", history());
@@ -127,7 +127,7 @@ TEST_F(CheckpointFolderTest, PassesOverWhatIsDamagedAndNamesIt) {
   EXPECT_THAT(damaged_, ElementsAre(HasSubstr("7.json"), HasSubstr("3.state is missing")));
 }
 
-/// What is no count is not cast to one.
+/// A number that is no count is not cast to one.
 TEST_F(CheckpointFolderTest, RefusesCountsThatAreNone) {
   folder_.write(at(7));
   const auto manifest = manifest_of_7();
@@ -272,7 +272,7 @@ TEST_F(CheckpointFolderTest, ForgetsWhatComesLater) {
   EXPECT_EQ(last()->window, 7);
 }
 
-/// What cannot be written leaves nothing, and the one before stays.
+/// A checkpoint that cannot be written leaves nothing, and the one before stays.
 TEST_F(CheckpointFolderTest, OneThatFailsLeavesNothing) {
   folder_.write(at(3));
   std::filesystem::create_directories(file("7.b.state/somebody"));

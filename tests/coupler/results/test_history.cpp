@@ -231,7 +231,7 @@ TEST(Errors, AngularMomentumAgainstMomentumTimesTheArm) {
   }
 }
 
-/// Of solids all three components have to be told by everyone, else the balance is empty.
+/// For solids all three components have to be told by everyone, else the balance is empty.
 TEST(History, BalancesAngularMomentumWhereAllOfItIsTold) {
   const Conserved solid{{{1, 0}, {0, 1}, {0, 0, 1}}, 0.5}, plane{{{1, 0}, {0, 1}}, 0.5};
   std::vector<std::string> columns = {"window", "momentum_n_kg_m_s/rod", "angular_momentum_z_kg_m2_s/rod"};

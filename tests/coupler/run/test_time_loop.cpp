@@ -84,7 +84,7 @@ TEST(TimeLoop, ABaselineWhoseBodiesCouldMeetIsAskedForFew) {
   for (std::size_t i = 1; i < brought.size(); ++i) EXPECT_LE(brought[i] - brought[i - 1], 32);
 }
 
-/// What a participant tells of departures and outlines is checked before it is believed.
+/// Everything that a participant tells of departures and outlines is checked before it is believed.
 TEST(Departures, WrongOnesAreRefusedByName) {
   const auto refusal = [](const wire::Array& departures, const wire::Array& outline) -> std::string {
     Setting s;

@@ -1,4 +1,4 @@
-// What a wrong number of a participant looks like; whole runs of wrong participants are in tests/swap.
+// The looks of a wrong number of a participant; whole runs of wrong participants are in tests/swap.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -68,7 +68,7 @@ end_s = 1.0
 protocol = "all_explicit"
 )";
 
-/// Of materials that yield soon, harden, follow the rate and are heated.
+/// With materials that yield soon, harden, follow the rate and are heated.
 std::string yielding(const std::string& text) {
   std::string all = text;
   const std::string of_elastic = "00.0 }",

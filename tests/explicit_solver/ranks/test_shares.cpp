@@ -1,4 +1,4 @@
-// Who steps which nodes.
+// Nodes and the ranks that step them.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -103,7 +103,7 @@ TEST(Shares, RowsOfOwnNodesAreThoseOfTheWhole) {
   }
 }
 
-/// What the link moves, and what reads it, is the first rank's.
+/// All that the link moves, and all that reads it, is the first rank's.
 TEST(Shares, TheFirstRankHasTheInterface) {
   const Block block(6, 12);
   const auto& state = block.whole.front();
