@@ -43,7 +43,7 @@ void write_wire(const std::string& folder) {
   }
 }
 
-/// What a coupler says from the welcome on, as tests/fuzz/fuzz_session.cpp reads it.
+/// Messages of a coupler from the welcome on, as tests/fuzz/fuzz_session.cpp reads them.
 class Said {
  public:
   explicit Said(unsigned participant) : bytes_(1, static_cast<char>(participant)) {}
@@ -100,7 +100,7 @@ wire::Advance& advance(Said& said, std::int64_t window, int nodes, int component
   return advance;
 }
 
-/// What a session of one node keeps, as it archives it.
+/// The state of a session of one node, as it archives it.
 std::string saved_session() {
   Archive out, own;
   std::int64_t window = 2, fields_window = 2;
