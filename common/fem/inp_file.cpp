@@ -19,7 +19,7 @@ namespace {
 
 const std::vector<std::string> mesh_cards{"NODE", "ELEMENT", "NSET", "ELSET", "SURFACE"};
 
-/// The keywords that make, move or join parts of a mesh. To leave it out would be to compute another body.
+/// The keywords that make, move or join parts of a mesh. To leave one out would be to compute another body.
 const std::set<std::string, std::less<>> refused_cards{
     "INCLUDE", "PART",   "ASSEMBLY", "INSTANCE", "NGEN", "NFILL",     "NCOPY",    "NMAP",      "ELGEN",
     "ELCOPY",  "SYSTEM", "TIE",      "EQUATION", "MPC",  "RIGIDBODY", "COUPLING", "KINEMATIC", "EMBEDDEDELEMENT"};

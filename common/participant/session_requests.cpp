@@ -1,4 +1,4 @@
-// The deeds of a session at each request of the coupler.
+// The work of a session at each request of the coupler.
 #include <fmt/format.h>
 
 #include <algorithm>

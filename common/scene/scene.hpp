@@ -81,7 +81,7 @@ struct Time {
   [[nodiscard]] const char* key_of_sizes() const { return flight_step_s ? "flight_step_s" : "changes"; }
 };
 
-/// The deed of a run that turns a body by 10 degrees or strains it by 10 %.
+/// The answer of a run to a body that turns by 10 degrees or strains by 10 %.
 enum class OutsideModel { stop, go_on };
 enum class AfterSeparation { switch_to_explicit, stay_implicit };
 
@@ -169,7 +169,7 @@ struct Output {
   [[nodiscard]] int probes_told_every() const;
 };
 
-/// The deed of a run when a participant dies, hangs or is lost.
+/// The answer of a run to a participant that dies, hangs or is lost.
 enum class OnFailure { stop, resume };
 
 /// When a run saves all that it goes on from.

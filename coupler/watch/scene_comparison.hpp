@@ -24,8 +24,8 @@ namespace ricochet::coupler {
 /// found, what was expected, and a cause if trying it explains all numbers.
 class SceneComparison {
  public:
-  /// It describes rows that are as many as they should be, of bodies that it has and with the scene's components. If it
-  /// does not is refused by InterfaceMap.
+  /// It describes as many rows as it should, of bodies that it has and with the scene's components. Others
+  /// are refused by InterfaceMap.
   [[nodiscard]] static bool possible(const scene::Problem& problem, const PeerDescription& description);
   /// `description`, which must be possible, of a participant of the scene, with its name and role filled in.
   SceneComparison(const scene::Problem& problem, const PeerDescription& description);

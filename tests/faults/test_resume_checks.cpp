@@ -108,7 +108,7 @@ TEST_P(DamagedResults, are_named_and_nothing_goes_on_from_them) {
 INSTANTIATE_TEST_SUITE_P(Faults, DamagedResults, testing::ValuesIn(damages),
                          [](const auto& test) { return test.param.name; });
 
-/// Results damaged behind the checkpoint before is computed once more from there.
+/// Results damaged behind the checkpoint before are computed once more from there.
 TEST(DamagedResults, BehindTheCheckpointBeforeAreComputedOnceMore) {
   const TemporaryFolder folder;
   const auto whole = run_text(with_all_kept(), folder, "whole");

@@ -2,8 +2,8 @@
 
 #include <string>
 
-/// Where the tests find what they read and start. Functions of one small source, not macros: a compiler cache can keep all else for a
-/// checkout in another folder.
+/// Where the tests find what they read and start. Functions of one small source, not macros: a compiler cache can keep
+/// all else for a checkout in another folder.
 namespace ricochet::test {
 
 /// The checkout's folder.
