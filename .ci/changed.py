@@ -16,11 +16,14 @@ changes = subprocess.run(f"git -c safe.directory='*' diff -U0 --no-renames HEAD~
                          capture_output=True, text=True, errors="replace")
 
 
+def code(hunk, sign):
+    return "".join(re.sub(r"(^|\s+)//.*", "", line[1:]) for line in hunk.split("\n") if line.startswith(sign))
+
+
 def changed_files(diff):
     for of_file in re.split(r"^diff --git ", diff, flags=re.M)[1:]:
-        head, _, lines = of_file.partition("\n@@")
-        code = {sign: "".join(re.sub(r"\s*//.*", "", line[1:]) for line in lines.split("\n") if line.startswith(sign)) for sign in "+-"}
-        if code["+"] != code["-"]:
+        head, *hunks = of_file.split("\n@@")
+        if any(code(hunk, "+") != code(hunk, "-") for hunk in hunks):
             yield str(root / head.split("\n")[0].split(" b/")[-1])
 
 
