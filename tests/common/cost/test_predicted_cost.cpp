@@ -86,7 +86,10 @@ TEST(PredictedCost, CountsRowsThatAreWrittenAnew) {
   for (auto& body : scene.bodies) body.supports.clear();
   const PredictedCost straight = cost_of(scene);
   scene.bodies.front().initial_velocity_m_s.front() = 10.0;
-  EXPECT_GT(cost_of(scene).all_implicit_s, 1.1 * straight.all_implicit_s) << "oblique";
+  const PredictedCost oblique = cost_of(scene);
+  EXPECT_GT(oblique.all_implicit_s, 1.1 * straight.all_implicit_s);
+  EXPECT_GT(oblique.all_explicit_s, 1.1 * straight.all_explicit_s);
+  EXPECT_GT(oblique.stepping_s(), 1.1 * straight.stepping_s());
 }
 
 TEST(PredictedCost, IsMeasuredInUnitsOfThisMachine) {
