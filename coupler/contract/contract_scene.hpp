@@ -14,7 +14,7 @@ class ContractScene {
   /// `problem` must outlive it. ConfigError if the scene has no participant of that name.
   ContractScene(const scene::Problem& problem, const std::string& name);
 
-  /// Starts the participant that is tested: `words`, or the scene's own program for it, with the arguments of a
+  /// Command for the participant that is tested: `words`, or the scene's own program for it, with the arguments of a
   /// run.
   [[nodiscard]] std::vector<std::string> command(std::vector<std::string> words) const;
   /// Driven as the scene's protocol drives it.

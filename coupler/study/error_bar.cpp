@@ -10,7 +10,7 @@ namespace {
 constexpr double safety = 2.0, safety_of_slow = 1.5;
 constexpr double lowest_order = 0.5, highest_order = 2.0, believed_order = 1.0;
 
-/// Turns a difference of two levels into a bar; and what is left of a coarse level's difference on the fine one.
+/// Factors from a difference of two levels to a bar, and to the rest of a coarse level's difference on the fine one.
 struct Scales {
   double bar = 1.0, coarse = 1.0;
 };

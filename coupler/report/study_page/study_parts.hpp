@@ -29,7 +29,7 @@ struct MethodLooks {
 };
 [[nodiscard]] MethodLooks looks_of(const std::vector<std::string>& methods);
 
-/// Draws the reference's own error of a quantity, the largest one of several references; empty where it is exact
+/// Rule for the reference's own error of a quantity, the largest one of several references; empty where it is exact
 /// or has no such error.
 [[nodiscard]] Json reference_rule(const Json& study, const std::string& quantity);
 
