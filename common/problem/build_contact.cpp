@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -95,6 +96,29 @@ bool second_carries_rows(const ContactContext& context, const ContactSide& a, co
   return second_is_smaller(mean_face_m2(a), mean_face_m2(b)).value_or(b.body < a.body);
 }
 
+/// By how much a body reaches out beyond its surface [m]: the other one may meet it there first.
+double beyond_surface_m(const ContactSide& side, const Eigen::Vector3d& out) {
+  double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m, surface_m = -lowest_m;
+  for (const Eigen::Vector3d& x : side.body->mesh.position) {
+    lowest_m = std::min(lowest_m, x.dot(out));
+    highest_m = std::max(highest_m, x.dot(out));
+  }
+  for (std::size_t i = 0; i < side.nodes.size(); ++i) surface_m = std::max(surface_m, side.position(i).dot(out));
+  constexpr double round_off = 1e-6;  // a share of the body
+  return highest_m - surface_m > round_off * (highest_m - lowest_m) ? highest_m - surface_m : 0.0;
+}
+
+/// What reaches beyond a rigid plane at the start is taken to pass through a hole of it.
+bool reaches_beyond(const ContactSide& a, const ContactSide* b, const ContactGeometry& geometry) {
+  if (geometry.round) return false;
+  if (b != nullptr)
+    return beyond_surface_m(a, geometry.touch_normal) > 0.0 || beyond_surface_m(*b, -geometry.touch_normal) > 0.0;
+  const double beyond_m = beyond_surface_m(a, geometry.normal);
+  double gap_m = std::numeric_limits<double>::infinity();
+  for (const ContactPair& pair : geometry.pairs) gap_m = std::min(gap_m, pair.gap0_m);
+  return beyond_m > 0.0 && beyond_m < gap_m;
+}
+
 ContactGeometry build_one(const ContactContext& context, const std::vector<BodyProblem>& bodies) {
   ContactSide a = make_side(context, bodies, context.contact.first, context.contact.normal);
   if (a.flat && !context.contact.normal.empty())
@@ -120,6 +144,7 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   }
   carry(a.body->mesh, b ? &b->body->mesh : nullptr, geometry.pairs);
   geometry.round = !b && context.contact.obstacle != Obstacle::plane;
+  geometry.reaches_beyond = reaches_beyond(a, b ? &*b : nullptr, geometry);
   geometry.matching =
       std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
   for (auto& pair : geometry.pairs) check_start(context, a, b ? &*b : nullptr, pair);

@@ -142,6 +142,22 @@ Eigen::Vector3d normal_of_touch(const surface::ContactMesh& mesh, const ContactS
   return found.dot(a.normal) >= std::cos(largest_turn(mesh)) ? a.normal : found;
 }
 
+/// How far the smooth surface through their nodes, which contact goes by, is from the faces in their middles.
+double furthest_from_smooth(const std::vector<surface::SurfaceFace>& faces) {
+  double furthest_m = 0.0;
+  for (const surface::SurfaceFace& face : faces) {
+    surface::ShapeValues middle = surface::ShapeValues::Zero();
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    const double weight = 1.0 / static_cast<double>(face.node.size());
+    for (std::size_t i = 0; i < face.node.size(); ++i) {
+      middle[static_cast<Eigen::Index>(i)] = weight;
+      place += weight * face.x[i];
+    }
+    furthest_m = std::max(furthest_m, (surface::place_at(face, middle) - place).norm());
+  }
+  return furthest_m;
+}
+
 /// Where curved surfaces touch; of flat ones where they are, unless that is nowhere opposite.
 void set_mortar_pairs(const ContactContext& context, const ContactSide& a, const ContactSide& b,
                       const surface::ContactMesh& mesh, ContactGeometry& geometry) {
@@ -223,6 +239,7 @@ void set_pairs(const ContactContext& context, const ContactSide& a, const Contac
   if (!geometry.pairs.empty() && !(may_be_written_anew && may_slide(context.scene, a, &b, a.normal))) return;
   const bool tilted = a.flat && b.flat && !flat_and_parallel(a, b);  // an edge of one meets the other
   const auto mesh = std::make_shared<const surface::ContactMesh>(mesh_of(a, b, geometry.turns || tilted));
+  geometry.off_faces_m = furthest_from_smooth(mesh->first) + furthest_from_smooth(mesh->second.faces());
   if (geometry.pairs.empty()) set_mortar_pairs(context, a, b, *mesh, geometry);
   if (geometry.pairs.empty())
     context.refuse(fmt::format("surfaces \"{}\" and \"{}\" that lie nowhere opposite each other", a.name, b.name),

@@ -68,28 +68,6 @@ std::vector<BodyPair> pairs_without_contact(const Problem& problem) {
   return pairs;
 }
 
-namespace {
-
-/// Whether one of two bodies with flat surfaces reaches out beyond its own: the other one may meet it there first.
-bool reaches_beyond_surface(const Problem& problem, const ContactGeometry& contact) {
-  constexpr double tolerated_share_of_extent = 1e-6;
-  const auto reaches = [&](int body, const Eigen::Vector3d& out, const auto& node_of) {
-    const auto& place = problem.bodies[at(body)].mesh.position;
-    double lowest_m = std::numeric_limits<double>::infinity(), highest_m = -lowest_m, surface_m = -lowest_m;
-    for (const Eigen::Vector3d& x : place) {
-      lowest_m = std::min(lowest_m, x.dot(out));
-      highest_m = std::max(highest_m, x.dot(out));
-    }
-    for (const ContactPair& pair : contact.pairs) surface_m = std::max(surface_m, place[at(node_of(pair))].dot(out));
-    return highest_m - surface_m > tolerated_share_of_extent * (highest_m - lowest_m);
-  };
-  return contact.flat && contact.body_b >= 0 &&
-         (reaches(contact.body_a, contact.normal, [](const ContactPair& pair) { return pair.node_a; }) ||
-          reaches(contact.body_b, -contact.normal, [](const ContactPair& pair) { return pair.b.front().node; }));
-}
-
-}  // namespace
-
 std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   const auto bodies = [&](std::size_t i) {
     return std::minmax({problem.contacts[i].body_a, problem.contacts[i].body_b});
@@ -107,8 +85,7 @@ std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem) {
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const ContactGeometry& contact = problem.contacts[i];
     const bool turns = contact.turns || problem.scene.body(problem.bodies[at(contact.body_a)].name).large_rotation;
-    if ((turns || contact.sliding || reaches_beyond_surface(problem, contact)) && lies_by_its_mesh(i))
-      contacts.push_back(&contact);
+    if ((turns || contact.sliding || contact.reaches_beyond) && lies_by_its_mesh(i)) contacts.push_back(&contact);
   }
   return contacts;
 }
@@ -226,33 +203,10 @@ double overlap_tolerance(const Shape& a, const Shape& b) {
   return tolerated_share * std::min(a.shortest_edge(), b.shortest_edge());
 }
 
-namespace {
-
-/// How far the smooth surface through their nodes, which contact goes by, is from the faces in their middles.
-double furthest_from_smooth(const std::vector<surface::SurfaceFace>& faces) {
-  double furthest_m = 0.0;
-  for (const surface::SurfaceFace& face : faces) {
-    surface::ShapeValues middle = surface::ShapeValues::Zero();
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();
-    const double weight = 1.0 / static_cast<double>(face.node.size());
-    for (std::size_t i = 0; i < face.node.size(); ++i) {
-      middle[static_cast<Eigen::Index>(i)] = weight;
-      place += weight * face.x[i];
-    }
-    furthest_m = std::max(furthest_m, (surface::place_at(face, middle) - place).norm());
-  }
-  return furthest_m;
-}
-
-}  // namespace
-
 double overlap_tolerance(const Shape& a, const Shape& b, const Contact& law, const ContactGeometry& contact) {
   const bool sinks = law.enforcement == Enforcement::penalty;
-  double tolerance_m =
-      (sinks ? share_beside_penalty : share_beside_contact) * std::min(a.shortest_edge(), b.shortest_edge());
-  if (contact.sliding)
-    tolerance_m += furthest_from_smooth(contact.sliding->first) + furthest_from_smooth(contact.sliding->second.faces());
-  return tolerance_m;
+  const double share = sinks ? share_beside_penalty : share_beside_contact;
+  return share * std::min(a.shortest_edge(), b.shortest_edge()) + contact.off_faces_m;
 }
 
 }  // namespace ricochet::scene

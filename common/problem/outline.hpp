@@ -22,9 +22,9 @@ struct BodyPair {
 };
 /// All pairs of bodies but those of a contact.
 [[nodiscard]] std::vector<BodyPair> pairs_without_contact(const Problem& problem);
-/// The contacts of bodies that turn or slide along each other, or of which one reaches out beyond its flat surface:
-/// what lies beside their surfaces may meet, too. None of bodies with a contact with a nose, which the mesh does not
-/// have, or with contacts of different initial gaps.
+/// The contacts of bodies that turn or slide along each other, or of which one reaches out beyond its surface: what
+/// lies beside their surfaces may meet, too. None of bodies with a contact with a nose, which the mesh does not have,
+/// or with contacts of different initial gaps.
 [[nodiscard]] std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem);
 
 class Columns;

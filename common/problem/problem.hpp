@@ -53,6 +53,8 @@ struct ContactGeometry {
   std::vector<ContactPair> pairs;               ///< sorted by distance
   bool flat = true;                             ///< both surfaces are, and parallel, and none turns
   bool turns = false;                           ///< one of the bodies has large_rotation
+  bool reaches_beyond = false;                  ///< one of them does, beyond its surface: it may meet the other there
+  double off_faces_m = 0.0;  ///< furthest that smooth surfaces, which contact goes by, are from their faces
   /// By how much the second body is taken to be off its mesh at the start: initial_gap_m along the normal.
   Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};
   /// By how much the second body is off its mesh where the pairs are written: lifted_m; of curved surfaces, and of such

@@ -1,6 +1,7 @@
 // Ways out of the model: said with place, time and size, and the run stopped where results would be wrong.
 #include <gmock/gmock.h>
 
+#include "tests/support/plane_grid.hpp"
 #include "tests/support/run.hpp"
 
 namespace ricochet::test {
@@ -219,6 +220,66 @@ TEST_P(PostOnAPlate, ThatTheBlockMeetsFirstStopsTheRun) {
 
 INSTANTIATE_TEST_SUITE_P(Outside, PostOnAPlate, testing::Values("hughes_liu", "all_implicit", "all_explicit"),
                          [](const auto& test) { return test.param; });
+
+/// A striker with a round nose of 4 mm whose collar reaches 0.1 mm further, at `high_m` above y = 0.
+std::string striker_with_collar(double high_m) {
+  const PlaneGrid striker(20, 8, [&](double a, double b) {
+    const double x = 0.01 * a, low = x < 0.005 ? x * x / 0.2 : 1.25e-4 - (x - 0.005) * 0.045;
+    return PlaneGrid::Place(x, high_m + low + (0.004 - low) * b);
+  });
+  PlaneGrid::Edges nose = striker.low();
+  nose.resize(8);
+  return striker.msh("striker", {{"nose", nose}, {"axis", striker.left()}});
+}
+
+class CollarOfAStriker : public testing::TestWithParam<const char*> {};
+
+TEST_P(CollarOfAStriker, ThatThePlateMeetsFirstStopsTheRun) {
+  const TemporaryFolder folder;
+  (void)folder.write(striker_with_collar(2e-4), "striker.msh");
+  const std::string model = GetParam();
+  const bool plane = model == "plane_strain";
+  const std::string text =
+      "model = \"" + model + "\"\n[[body]]\nname = \"plate\"\nmaterial = \"steel_a36\"\n" +
+      "support = [{ surface = \"start\", fixed = [\"" + (plane ? "y" : "z") + "\"] }]\n" + "mesh = { " +
+      (plane ? "height_m" : "radius_m") + " = 0.012, length_m = 0.004, start_m = -0.004, " +
+      "elements = [24, 8] }\n[[body]]\nname = \"striker\"\nmaterial = \"steel_a36\"\n" +
+      "initial_velocity_m_s = [0.0, -10.0]\nmesh.gmsh = \"striker.msh\"\n" +
+      (plane ? "support = [{ surface = \"axis\", fixed = [\"x\"] }]\n" : "") +
+      "[contact]\nsurfaces = [\"plate.end\", \"striker.nose\"]\n[partition]\n" +
+      "implicit_length_m = { plate = 0.001, striker = 0.001 }\n" + settings(3e-8, 6e-5, "hughes_liu");
+  const auto run = run_file(folder.write(text), folder);
+  expect_left(run, "overlap", "beside the surfaces that the contact names");
+  // The collar is 0.1 mm above the plate, and a quarter of an edge of 0.5 mm counts.
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 22.5e-6, 1.5e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Outside, CollarOfAStriker, testing::Values("axisymmetric", "plane_strain"),
+                         [](const auto& test) { return std::string(test.param); });
+
+/// A block that stands 0.2 mm above a rigid plane, on which only its surface "block.start" is named, and a post of it
+/// that reaches down by `post_m`.
+std::string post_above_a_plane(double post_m) {
+  return "model = \"plane_strain\"\n[[body]]\nname = \"block\"\nmaterial = \"steel_a36\"\n"
+         "initial_velocity_m_s = [0.0, -10.0]\n[body.mesh]\n"
+         "tie = [{ surfaces = [\"block.start\", \"post.end\"] }]\npiece = [\n"
+         "{ name = \"block\", height_m = 0.01, length_m = 0.004, elements = [20, 8] },\n" +
+         fmt::format("{{ name = \"post\", height_m = 0.002, length_m = {0}, start_m = -{0}, elements = [4, 2] }}]\n",
+                     post_m) +
+         "[contact]\nsurfaces = [\"block.block.start\", \"rigid_plane\"]\ninitial_gap_m = 2e-4\n[partition]\n"
+         "implicit_length_m = { block = 0.001 }\n" +
+         settings(5e-9, 5e-5, "hughes_liu");
+}
+
+TEST(PostAboveARigidPlane, StopsTheRunUnlessItIsInAHoleFromTheStart) {
+  const TemporaryFolder folder;
+  const auto run = run_file(folder.write(post_above_a_plane(1e-4)), folder);
+  expect_left(run, "overlap", "beside the surfaces that the contact names");
+  // 0.1 mm of way, and a quarter of an edge of the post's 0.05 mm.
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 11.25e-6, 0.5e-6);
+  const auto in_a_hole = run_file(folder.write(post_above_a_plane(1e-3), "hole.toml"), folder, "hole");
+  EXPECT_EQ(in_a_hole.outcome.code, 0) << in_a_hole.outcome.error;
+}
 
 TEST(Rotation, AboveTwoDegreesIsSaid) {
   const TemporaryFolder folder;  // a cantilever that bends
