@@ -16,15 +16,12 @@ namespace {
 /// A face that is tilted by less against another lies on it, and its edge with it [rad].
 constexpr double least_edge_tilt = 1e-3;
 
-/// No line along the face's normal through the place meets the face.
-bool lies_beside(const Eigen::Vector3d& place, const SurfaceFace& face) {
-  constexpr double margin = 1.1;  // of faces that are not quite flat
-  double reach_m2 = 0.0;
-  for (std::size_t i = 1; i < face.node.size(); ++i)
-    reach_m2 = std::max(reach_m2, (face.x[i] - face.x[0]).squaredNorm());
-  const Eigen::Vector3d from = place - face.x[0];
-  const double along = from.dot(face.normal);
-  return from.squaredNorm() - along * along > margin * margin * reach_m2;
+/// Of faces that are not quite flat, in their extent in their plane.
+constexpr double beyond_extent = 0.1;
+
+Eigen::AlignedBox2d widened(const Eigen::AlignedBox2d& extent) {
+  const double by_m = beyond_extent * extent.diagonal().norm();
+  return {extent.min() - Eigen::Vector2d::Constant(by_m), extent.max() + Eigen::Vector2d::Constant(by_m)};
 }
 
 }  // namespace
@@ -44,6 +41,9 @@ void OppositeFaces::find_edges() {
     }
   }
   for (auto& [node, edge] : edges) edges_.push_back(std::move(edge));
+  std::vector<Eigen::AlignedBox3d> places;
+  for (const EdgeNode& edge : edges_) places.emplace_back(edge.x);
+  edge_tree_ = BoxTree(std::move(places));
   rim_edges_ = RimEdges(faces_);
 }
 
@@ -65,32 +65,39 @@ void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const E
                                   std::vector<MortarRow>& rows) const {
   std::set<int> with_rows;
   for (const MortarRow& row : rows) with_rows.insert(row.node);
-  std::vector<bool> has_rows;  // at all nodes of a face
-  for (const SurfaceFace& face : first)
-    has_rows.push_back(std::all_of(face.node.begin(), face.node.end(), [&](int n) { return with_rows.count(n) > 0; }));
-  for (const EdgeNode& edge : edges_) {
-    const Eigen::Vector3d place = edge.x + shift_m;
-    const SurfaceFace* opposite = nullptr;
-    Hit nearest{0.0, std::numeric_limits<double>::infinity()};
-    for (std::size_t i = 0; i < first.size(); ++i) {
-      const SurfaceFace& face = first[i];
-      if (lies_beside(place, face)) continue;
-      const auto lies_on_it = [&](const Eigen::Vector3d& normal) {
-        return -normal.dot(face.normal) > std::cos(least_edge_tilt);
+  struct Opposite {
+    Hit hit{0.0, std::numeric_limits<double>::infinity()};
+    const SurfaceFace* face = nullptr;
+  };
+  std::vector<Opposite> nearest(edges_.size());
+  for (const SurfaceFace& face : first) {
+    const bool has_rows =
+        std::all_of(face.node.begin(), face.node.end(), [&](int n) { return with_rows.count(n) > 0; });
+    const Plane plane(face);
+    const Eigen::AlignedBox2d extent = widened(extent_of(plane.of(face, Eigen::Vector3d::Zero())));
+    const auto look_at = [&](std::size_t i) {
+      const EdgeNode& edge = edges_[i];
+      const auto facing = [&](double share) {
+        return std::any_of(edge.normals.begin(), edge.normals.end(),
+                           [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > share; });
       };
-      if (has_rows[i] && std::any_of(edge.normals.begin(), edge.normals.end(), lies_on_it)) continue;
-      if (std::none_of(edge.normals.begin(), edge.normals.end(),
-                       [&](const Eigen::Vector3d& normal) { return -normal.dot(face.normal) > least_facing; }))
-        continue;
-      const Hit hit = hit_of(place, -face.normal, face);
-      if (hit.inside < -same_place || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) continue;
-      if (std::abs(hit.far_m) < std::abs(nearest.far_m)) std::tie(nearest, opposite) = std::pair(hit, &face);
-    }
+      const bool lies_on_it = facing(std::cos(least_edge_tilt));
+      if ((has_rows && lies_on_it) || !facing(least_facing)) return;
+      const Hit hit = hit_of(edge.x + shift_m, -face.normal, face);
+      if (hit.inside < -same_place || hit.far_m < -most_depth_m(face.thickness_m, edge.thickness_m)) return;
+      if (std::abs(hit.far_m) < std::abs(nearest[i].hit.far_m)) nearest[i] = {hit, &face};
+    };
+    edge_tree_.visit([&](const Eigen::AlignedBox3d& box) { return reaches(box, shift_m, plane, face, extent, 0.0); },
+                     look_at);
+  }
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    const EdgeNode& edge = edges_[i];
+    const auto& [hit, opposite] = nearest[i];
     if (opposite == nullptr) continue;
-    MortarRow row{-1, edge.area_m2, {{edge.node, 1.0}}, -2 - edge.node, opposite->normal, nearest.far_m};
+    MortarRow row{-1, edge.area_m2, {{edge.node, 1.0}}, -2 - edge.node, opposite->normal, hit.far_m};
     std::map<int, double> shares;
     for (std::size_t k = 0; k < opposite->node.size(); ++k)
-      shares[opposite->node[k]] = nearest.shape[static_cast<Eigen::Index>(k)];
+      shares[opposite->node[k]] = hit.shape[static_cast<Eigen::Index>(k)];
     double largest = 0.0;
     for (const auto& [node, share] : shares) {
       row.own.push_back({node, share});

@@ -179,7 +179,7 @@ class OppositeFaces::RowSums {
 };
 
 OppositeFaces::OppositeFaces(std::vector<SurfaceFace> faces, const Eigen::Vector2d& period_m)
-    : faces_(std::move(faces)), period_m_(period_m), tree_({}) {
+    : faces_(std::move(faces)), edge_tree_({}), period_m_(period_m), tree_({}) {
   const auto times = [](double period) { return period > 0.0 ? std::vector{0.0, -1.0, 1.0} : std::vector{0.0}; };
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const double first : times(period_m[0])) {

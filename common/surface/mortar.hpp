@@ -104,6 +104,7 @@ class OppositeFaces {
   void find_edges();
   std::vector<SurfaceFace> faces_;
   std::vector<EdgeNode> edges_;
+  BoxTree edge_tree_;  ///< of their places
   RimEdges rim_edges_;
   Eigen::Vector2d period_m_;
   std::vector<Image> images_;
