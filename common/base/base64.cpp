@@ -11,16 +11,15 @@ constexpr std::string_view digits_of_base64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefg
 }  // namespace
 
 std::string base64(std::string_view bytes) {
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : digits_of_base64[group >> (18 - 6 * k) & 63U];
-  }
+  std::string text((bytes.size() + 2) / 3 * 4, '=');
+  std::size_t out = 0;
+  const auto write = [&](std::uint32_t group, std::size_t digits) {
+    for (std::size_t k = 0; k < digits; ++k) text[out++] = digits_of_base64[group >> (18 - 6 * k) & 63U];
+  };
+  const auto byte = [&](std::size_t i) -> std::uint32_t { return static_cast<unsigned char>(bytes[i]); };
+  const std::size_t whole = bytes.size() / 3 * 3, rest = bytes.size() - whole;
+  for (std::size_t i = 0; i < whole; i += 3) write(byte(i) << 16U | byte(i + 1) << 8U | byte(i + 2), 4);
+  if (rest > 0) write(byte(whole) << 16U | (rest > 1 ? byte(whole + 1) << 8U : 0U), rest + 1);
   return text;
 }
 

@@ -167,9 +167,10 @@ int ContactRow::part_of(Side side) const {
 namespace {
 
 void take_from_supports(const ContactRow& row, double given_n_s, std::vector<BodyState>& states) {
+  if (given_n_s == 0.0) return;
   for (const auto& e : row.entries) {
     auto& state = states[static_cast<std::size_t>(e.part)];
-    if (given_n_s == 0.0 || state.free[static_cast<std::size_t>(e.dof)]) continue;
+    if (state.free[static_cast<std::size_t>(e.dof)]) continue;
     const double on_support = e.coefficient * given_n_s;
     const int c = e.dof % fem::components(state.part.mesh.model);
     state.totals.impulse_n_kg_m_s -= state.normal[c] * on_support;

@@ -168,6 +168,7 @@ void book_given_motion(const Pair& pair, double normal_n, const Eigen::Vector2d&
 template <class Displacement>
 void book_impulse(const Pair& pair, double normal_n_s, const Eigen::Vector2d& tangential_n_s, const Displacement& u_of,
                   std::vector<BodyState>& states, ContactImpulses& impulses) {
+  if (normal_n_s == 0.0 && tangential_n_s.isZero(0.0)) return;
   book_without_moments(pair, normal_n_s, tangential_n_s, states, impulses);
   const bool by_plane = !pair.normal.has(Side::b);
   const auto give = [&](const ContactRow& row, double impulse_n_s) {

@@ -43,6 +43,7 @@ unsigned planes_at(const Pair& pair, const std::vector<BodyState>& states) {
 
 ContactSurface::ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states)
     : components(problem.scene.components()),
+      directions(problem.scene.friction() ? components : 1),
       round(components == 3 || problem.scene.model == scene::Model::axisymmetric),
       pairs(contact_rows(problem, states)),
       stress(problem, states) {

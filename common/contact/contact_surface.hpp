@@ -44,6 +44,9 @@ struct ContactSurface {
   ContactSurface(const scene::Problem& problem, const std::vector<BodyState>& states);
 
   int components;
+  /// In which pairs have a force: along the normal and, with friction of any contact, along tangent and binormal; pairs
+  /// without friction have forces of zero there.
+  Eigen::Index directions;
   bool round;                             ///< a contact has a radius: axisymmetric or solid
   std::vector<std::string> contact_keys;  ///< in the scene file, per contact
   std::vector<Pair> pairs;

@@ -32,16 +32,16 @@ std::string to_trace(const std::vector<TraceTrack>& tracks, double begin_s) {
       fmt::format_to(out, "{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": {}}}}},\n",
                      pid, quoted(t.process));
     }
+    const std::string label = quoted(t.label);
     fmt::format_to(
         out, "{{\"name\": \"thread_name\", \"ph\": \"M\", \"pid\": {}, \"tid\": {}, \"args\": {{\"name\": {}}}}},\n",
-        pid, track + 1, quoted(t.label));
+        pid, track + 1, label);
     for (const auto& span : t.spans) {
       fmt::format_to(
           out,
           "{{\"name\": {}, \"ph\": \"X\", \"ts\": {:.3f}, \"dur\": {:.3f}, \"pid\": {}, \"tid\": {}, \"args\": "
           "{{\"window\": {}}}}},\n",
-          quoted(t.label), 1e6 * (span.begin_s - begin_s), 1e6 * (span.end_s - span.begin_s), pid, track + 1,
-          span.window);
+          label, 1e6 * (span.begin_s - begin_s), 1e6 * (span.end_s - span.begin_s), pid, track + 1, span.window);
     }
     for (const auto& counter : t.counters) {
       const auto span = std::lower_bound(t.spans.begin(), t.spans.end(), counter.window,

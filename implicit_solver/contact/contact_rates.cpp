@@ -36,14 +36,15 @@ Eigen::Matrix2d ImplicitContact::inverse_mass_along(std::size_t i) const {
   return along;
 }
 
-/// Forces or impulses that are in rates, and the relative rates.
-void ImplicitContact::begin_sweep(const std::vector<PairForce>& forces, const Eigen::VectorXd& values) {
+/// Forces or impulses that are in rates, and the relative rates of closed pairs, or of all.
+void ImplicitContact::begin_sweep(const std::vector<PairForce>& forces, const Eigen::VectorXd& values, bool of_all) {
   sweep_.x.resize(unknown(0, directions()));
-  sweep_.motion.resize(sweep_.x.size());
+  sweep_.motion.setZero(sweep_.x.size());
   for (std::size_t i = 0; i < pairs(); ++i) {
+    const bool moves = of_all || closed(i);
     for (Eigen::Index d = 0; d < directions(); ++d) {
       sweep_.x[unknown(i, d)] = d == 0 ? forces[i].normal : forces[i].tangential[d - 1];
-      sweep_.motion[unknown(i, d)] = row_of(surface_.pairs[i], d).times(of_part(values));
+      if (moves) sweep_.motion[unknown(i, d)] = row_of(surface_.pairs[i], d).times(of_part(values));
     }
   }
   sweep_.x_before = sweep_.x;
@@ -105,7 +106,7 @@ double ImplicitContact::move_both(const Pair& pair, const std::vector<BodyState>
 void ImplicitContact::hold_means(const std::vector<BodyState>& states, Eigen::VectorXd& values) {
   if (!resets() || pairs() == 0) return;
   find_inverse_mass(states);
-  begin_sweep(std::vector<PairForce>(pairs()), values);
+  begin_sweep(std::vector<PairForce>(pairs()), values, true);
   const auto hold = [&](int pair, const auto& set) {
     const auto i = static_cast<std::size_t>(pair);
     const Eigen::Index own = surface_.pairs[i].friction_coefficient > 0.0 ? directions() : 1;
@@ -286,6 +287,7 @@ void ImplicitContact::account(std::vector<BodyState>& states, const Eigen::Vecto
     massless_->accept();
   }
   const auto work = [&](const Pair& pair, const PairForce& impulse, const Eigen::VectorXd& moved, double dt) {
+    if (impulse.normal == 0.0 && impulse.tangential.isZero(0.0)) return;
     state_.work_normal_j += impulse.normal / dt * pair.normal.times(of_part(moved));
     state_.dissipated_friction_j -= impulse.tangential.dot(pair.slip(of_part(moved))) / dt;
     const auto moved_of = [&](int part, int dof) { return of_part(moved)(part)[dof]; };

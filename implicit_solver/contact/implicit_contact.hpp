@@ -180,9 +180,7 @@ class ImplicitContact {
   [[nodiscard]] bool closed(std::size_t pair) const {
     return trial_.solution.states[pair] != solver::ContactState::open;
   }
-  /// Directions in which pairs have a force: along the normal and, with friction of any contact, along tangent and
-  /// binormal; pairs without friction have forces of zero there.
-  [[nodiscard]] Eigen::Index directions() const { return problem_->scene.friction() ? surface_.components : 1; }
+  [[nodiscard]] Eigen::Index directions() const { return surface_.directions; }
   [[nodiscard]] int rows() const { return static_cast<int>(directions()) * static_cast<int>(pairs()); }
   [[nodiscard]] Eigen::Index unknown(std::size_t pair, Eigen::Index direction) const {
     return direction * static_cast<Eigen::Index>(pairs()) + static_cast<Eigen::Index>(pair);
@@ -214,7 +212,7 @@ class ImplicitContact {
   // Rates (contact_rates.cpp)
   void find_inverse_mass(const std::vector<solver::BodyState>& states);
   [[nodiscard]] Eigen::Matrix2d inverse_mass_along(std::size_t pair) const;
-  void begin_sweep(const std::vector<solver::PairForce>& forces, const Eigen::VectorXd& values);
+  void begin_sweep(const std::vector<solver::PairForce>& forces, const Eigen::VectorXd& values, bool of_all = false);
   template <class Project>
   void run_sweep(const Project& project);
   void push_swept(const std::vector<solver::BodyState>& states, Eigen::VectorXd& values) const;

@@ -44,10 +44,10 @@ std::string inside_script(std::string_view code) {
   std::string safe;
   safe.reserve(code.size());
   while (!code.empty()) {
-    const auto special = code.find_first_of("<\xe2");
-    safe += code.substr(0, special);
-    if (special == std::string_view::npos) break;
-    code.remove_prefix(special);
+    const auto* special = std::find_if(code.begin(), code.end(), [](char c) { return c == '<' || c == '\xe2'; });
+    safe.append(code.begin(), special);
+    code = {special, code.end()};
+    if (code.empty()) break;
     // \u003c is the same character in the strings of JSON and JavaScript.
     const bool html = begins_with(code, "</script") || begins_with(code, "<script") || begins_with(code, "<!--");
     const char last = code.size() > line_separators.size() ? code[line_separators.size()] : '\0';
