@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
@@ -128,24 +129,27 @@ TEST(ContactsToWatch, AreNoneOfBodiesThatLieApartFromTheirMeshes) {
   EXPECT_TRUE(contacts_to_watch(problem).empty()) << "another contact of the two has a nose";
 }
 
-TEST(ContactsToWatch, AreThoseOfABodyThatReachesBeyondItsFlatSurface) {
-  Problem problem = plates_problem();
-  EXPECT_TRUE(contacts_to_watch(problem).empty());
-  const auto& contact = problem.contacts.front();
-  std::vector<bool> in_contact(problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh.position.size(), false);
-  for (const auto& pair : contact.pairs) in_contact[static_cast<std::size_t>(pair.node_a)] = true;
-  const auto other = std::find(in_contact.begin(), in_contact.end(), false) - in_contact.begin();
-  auto& place = problem.bodies[static_cast<std::size_t>(contact.body_a)].mesh.position[static_cast<std::size_t>(other)];
-  place += (problem.bodies[static_cast<std::size_t>(contact.body_a)]
-                .mesh.position[static_cast<std::size_t>(contact.pairs.front().node_a)] -
-            place)
-               .dot(contact.normal) *
-           contact.normal;
-  EXPECT_TRUE(contacts_to_watch(problem).empty()) << "as high as the surface";
-  place += 1e-4 * contact.normal;
-  EXPECT_EQ(contacts_to_watch(problem).size(), 1U);
-  problem.contacts.front().flat = false;
-  EXPECT_TRUE(contacts_to_watch(problem).empty()) << "facets of curved surfaces lie within one another";
+/// A block above "rigid_plane", or above a plate, and a post of it that reaches 1 mm below its surface.
+std::string block_with_post(const std::string& plate, double gap_m) {
+  return fmt::format(
+      "model = \"plane_strain\"\n{0}[[body]]\nname = \"block\"\nmaterial = \"steel_a36\"\n[body.mesh]\n"
+      "tie = [{{ surfaces = [\"top.start\", \"post.end\"] }}]\npiece = [\n"
+      "{{ name = \"top\", height_m = 0.01, length_m = 0.004, elements = [10, 4] }},\n"
+      "{{ name = \"post\", height_m = 0.002, length_m = 0.001, start_m = -0.001, elements = [2, 2] }}]\n"
+      "[contact]\nsurfaces = [\"block.top.start\", \"{1}\"]\ninitial_gap_m = {2}\n[time]\nstep_s = 1e-8\n"
+      "end_s = 1e-6\n",
+      plate, plate.empty() ? "rigid_plane" : "plate.end", gap_m);
+}
+
+TEST(ContactsToWatch, AreThoseOfABodyThatReachesBeyondItsSurface) {
+  const auto watched = [](const std::string& text) { return contacts_to_watch(build_problem(load_text(text))).size(); };
+  const std::string plate =
+      "[[body]]\nname = \"plate\"\nmaterial = \"steel_a36\"\n"
+      "mesh = { height_m = 0.02, length_m = 0.004, start_m = -0.004, elements = [10, 4] }\n";
+  EXPECT_EQ(watched(plates), 0U);
+  EXPECT_EQ(watched(block_with_post(plate, 0.002)), 1U);
+  EXPECT_EQ(watched(block_with_post("", 0.002)), 1U);
+  EXPECT_EQ(watched(block_with_post("", 0.0005)), 0U) << "in a hole of the rigid plane from the start";
 }
 
 std::string refusal(const std::string& text) {
