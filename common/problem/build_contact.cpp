@@ -108,7 +108,7 @@ double beyond_surface_m(const ContactSide& side, const Eigen::Vector3d& out) {
   return highest_m - surface_m > round_off * (highest_m - lowest_m) ? highest_m - surface_m : 0.0;
 }
 
-/// What reaches beyond a rigid plane at the start is taken to pass through a hole of it.
+/// A body that is beyond a rigid plane at the start counts as in a hole of it.
 bool reaches_beyond(const ContactSide& a, const ContactSide* b, const ContactGeometry& geometry) {
   if (geometry.round) return false;
   if (b != nullptr)

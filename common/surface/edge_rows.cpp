@@ -16,7 +16,7 @@ namespace {
 /// A face that is tilted by less against another lies on it, and its edge with it [rad].
 constexpr double least_edge_tilt = 1e-3;
 
-/// Of faces that are not quite flat, in their extent in their plane.
+/// A share of the extent in a face's plane, for faces that are not quite flat.
 constexpr double beyond_extent = 0.1;
 
 Eigen::AlignedBox2d widened(const Eigen::AlignedBox2d& extent) {
