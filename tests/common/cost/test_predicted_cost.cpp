@@ -77,8 +77,7 @@ TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
   scene.mass_scaling_step_s.reset();
   scene.time.step_s = 0.9 * 1.78e-9;
   const PredictedCost own = cost_of(scene);
-  EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01);
-  EXPECT_GT(own.stepping_s(), 4 * scaled.stepping_s());
+  EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01) << "a window takes as long as it does now";
 }
 
 TEST(PredictedCost, CountsRowsThatAreWrittenAnew) {
