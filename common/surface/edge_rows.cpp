@@ -63,6 +63,7 @@ void OppositeFaces::add_crossing_rows(const std::vector<SurfaceFace>& first, con
 
 void OppositeFaces::add_edge_rows(const std::vector<SurfaceFace>& first, const Eigen::Vector3d& shift_m,
                                   std::vector<MortarRow>& rows) const {
+  if (edges_.empty()) return;
   std::set<int> with_rows;
   for (const MortarRow& row : rows) with_rows.insert(row.node);
   struct Opposite {

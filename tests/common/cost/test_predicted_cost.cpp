@@ -71,13 +71,20 @@ TEST(PredictedCost, TakesAllExplicitWithScaledMassesInTheirStep) {
   scene.participants.front().name = "explicit";
   scene.participants.front().bodies = scene.body_names();
   scene.time.step_s = scene.mass_scaling_step_s = 1e-8;
-  const PredictedCost scaled = cost_of(scene);
-  EXPECT_EQ(scaled.all_explicit_step_s, 1e-8);
-  EXPECT_EQ(scaled.all_explicit_s, scaled.stepping_s());
-  scene.mass_scaling_step_s.reset();
-  scene.time.step_s = 0.9 * 1.78e-9;
-  const PredictedCost own = cost_of(scene);
-  EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01) << "a window takes as long as it does now";
+  auto in_own_step = scene;
+  in_own_step.mass_scaling_step_s.reset();
+  in_own_step.time.step_s = 0.9 * 1.78e-9;
+  // Each prediction times K u when it is made: a busy machine may slow one of two.
+  constexpr int tries = 5;
+  bool a_quarter = false;
+  for (int i = 0; i < tries && !a_quarter; ++i) {
+    const PredictedCost scaled = cost_of(scene), own = cost_of(in_own_step);
+    EXPECT_EQ(scaled.all_explicit_step_s, 1e-8);
+    EXPECT_EQ(scaled.all_explicit_s, scaled.stepping_s());
+    EXPECT_NEAR(own.windows / scaled.windows, 1e-8 / (0.9 * 1.78e-9), 0.01);
+    a_quarter = own.stepping_s() > 4 * scaled.stepping_s();
+  }
+  EXPECT_TRUE(a_quarter);
 }
 
 TEST(PredictedCost, CountsRowsThatAreWrittenAnew) {

@@ -150,6 +150,12 @@ TEST(ContactsToWatch, AreThoseOfABodyThatReachesBeyondItsSurface) {
   EXPECT_EQ(watched(block_with_post(plate, 0.002)), 1U);
   EXPECT_EQ(watched(block_with_post("", 0.002)), 1U);
   EXPECT_EQ(watched(block_with_post("", 0.0005)), 0U) << "in a hole of the rigid plane from the start";
+  const std::string as_high =
+      "{ name = \"post\", height_m = 0.002, length_m = 0.004, elements = [2, 4], place = { moved_m = [0.01, 0.0] } }";
+  const std::string beside =
+      replaced(replaced(block_with_post(plate, 0.002), "\"top.start\", \"post.end\"", "\"top.outer\", \"post.inner\""),
+               "{ name = \"post\", height_m = 0.002, length_m = 0.001, start_m = -0.001, elements = [2, 2] }", as_high);
+  EXPECT_EQ(watched(beside), 0U) << "as high as the surface";
 }
 
 std::string refusal(const std::string& text) {
