@@ -7,6 +7,12 @@
 namespace ricochet::surface {
 namespace {
 
+/// A face seen from its side may have no place where the ray is, nor shape functions where one aims: what such a search
+/// ends at lies beside the ray by more than this share of the face's size.
+constexpr double missed = 1e-3;
+/// The smooth surface stands off the face by little: few aims are enough, but where a large face is seen askew.
+constexpr int least_aims = 4, most_aims = 20;
+
 /// A face as it is seen along a direction, from a place.
 struct View {
   Eigen::Vector3d from, first, second;
@@ -43,11 +49,16 @@ Hit hit_of(const Eigen::Vector3d& place, const Eigen::Vector3d& along, const Sur
   Place aim(0.0, 0.0);
   ShapeValues shape;
   Eigen::Vector3d found;
-  for (int i = 0; i < 4; ++i) {  // the smooth surface stands off the face by little
+  const double size_m = (face.x[1] - face.x[0]).norm();
+  double beside_m = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < most_aims && (i < least_aims || beside_m > missed * size_m); ++i) {
     shape = shape_at(corners, aim);
     found = place_at(face, shape);
-    aim -= view.of(found);
+    const Place off = view.of(found);
+    beside_m = off.norm();
+    aim -= off;
   }
+  if (!(beside_m <= missed * size_m)) return {-std::numeric_limits<double>::infinity(), 0.0};
   const double* first = shape.data();
   return {std::min(0.0, *std::min_element(first, first + face.node.size())), along.dot(found - view.from), shape};
 }

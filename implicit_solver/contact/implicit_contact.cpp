@@ -139,7 +139,7 @@ void ImplicitContact::find_moved(const std::vector<BodyState>& states, const Eig
 }
 
 void ImplicitContact::solve(const std::vector<BodyState>& states, const Eigen::VectorXd& increment, bool again) {
-  if (!frozen_) follow(states);
+  if (!frozen_ && !again) follow(states);
   if (frozen_ == participant::FrozenContact::open ||
       surface_.pairs.empty()) {  // or the bodies have slid off each other
     trial_.solution = root_->open();

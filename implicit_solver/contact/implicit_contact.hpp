@@ -74,8 +74,8 @@ class ImplicitContact {
 
   /// Finds the contact forces of the window that is being tried. `increment` holds the free increments at contact dofs
   /// (combined numbering); on return root_force() holds G^T r per root dof. `again`: they were found before in this
-  /// window, for another increment, and are the first guess: of forces that rows which depend on each other may share
-  /// in any way it finds the nearest ones, so that Newton's iteration settles.
+  /// window, for another increment, and are the first guess, so rows stay as they were then: of forces that rows which
+  /// depend on each other may share in any way it finds the nearest ones, so that Newton's iteration settles.
   void solve(const std::vector<solver::BodyState>& states, const Eigen::VectorXd& increment, bool again);
   /// The forces of the present trial are known to so much: their residual times the largest normal force [N].
   [[nodiscard]] double uncertain_force() const;

@@ -139,5 +139,26 @@ TEST(TurnedContact, HasTheForcesThatATurnedInverseGives) {
   }
 }
 
+// The first guess has a force for each of them.
+TEST(ImplicitContact, KeepsItsRowsWhileItSolvesAWindowAgain) {
+  TurningBlocks blocks;
+  ImplicitContact contact = blocks.contact();
+  contact.prepare(blocks.inverse, 1e-7);
+  ASSERT_GT(blocks.forces(contact).norm(), 0.0);
+  const auto pairs = contact.surface().pairs;
+  Eigen::VectorXd increment(blocks.states[0].part.dofs() + blocks.states[1].part.dofs());
+  increment << 1e-7 * blocks.states[0].v, 1e-7 * blocks.states[1].v;
+  for (Eigen::Index dof = 0; dof < blocks.states[1].u.size(); dof += 2) blocks.states[1].u[dof] += 0.007;
+  contact.solve(blocks.states, increment, true);
+  ASSERT_EQ(contact.surface().pairs.size(), pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto &now = contact.surface().pairs[i].normal.entries, &then = pairs[i].normal.entries;
+    ASSERT_EQ(now.size(), then.size());
+    for (std::size_t e = 0; e < now.size(); ++e) EXPECT_EQ(now[e].dof, then[e].dof);
+  }
+  contact.solve(blocks.states, increment, false);
+  EXPECT_LT(contact.surface().pairs.size(), pairs.size()) << "another window: what has slid off has no rows";
+}
+
 }  // namespace
 }  // namespace ricochet::implicit_solver
