@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/problem/contact_pairs.hpp"
+#include "common/problem/outline.hpp"
 #include "common/problem/rigid_obstacle.hpp"
 
 namespace ricochet::scene {
@@ -108,15 +109,16 @@ double beyond_surface_m(const ContactSide& side, const Eigen::Vector3d& out) {
   return highest_m - surface_m > round_off * (highest_m - lowest_m) ? highest_m - surface_m : 0.0;
 }
 
-/// A body that is beyond a rigid plane at the start counts as in a hole of it.
-bool reaches_beyond(const ContactSide& a, const ContactSide* b, const ContactGeometry& geometry) {
-  if (geometry.round) return false;
+/// A body that is beyond what is rigid at the start counts as in a hole of it.
+bool reaches_beyond(const Contact& contact, const ContactSide& a, const ContactSide* b,
+                    const ContactGeometry& geometry) {
   if (b != nullptr)
     return beyond_surface_m(a, geometry.touch_normal) > 0.0 || beyond_surface_m(*b, -geometry.touch_normal) > 0.0;
-  const double beyond_m = beyond_surface_m(a, geometry.normal);
-  double gap_m = std::numeric_limits<double>::infinity();
-  for (const ContactPair& pair : geometry.pairs) gap_m = std::min(gap_m, pair.gap0_m);
-  return beyond_m > 0.0 && beyond_m < gap_m;
+  if (beyond_surface_m(a, geometry.normal) == 0.0) return false;
+  const RigidShape shape(contact, geometry, a.body->mesh);
+  const auto& places = a.body->mesh.position;
+  const double touches_m = flat_tolerance * a.shortest_edge_m;
+  return std::all_of(places.begin(), places.end(), [&](const auto& x) { return shape.depth_m(x) <= touches_m; });
 }
 
 ContactGeometry build_one(const ContactContext& context, const std::vector<BodyProblem>& bodies) {
@@ -140,11 +142,10 @@ ContactGeometry build_one(const ContactContext& context, const std::vector<BodyP
   if (b) {
     set_pairs(context, a, *b, geometry);
   } else {
-    geometry.pairs = rigid_pairs(context, a);
+    set_rigid_pairs(context, a, geometry);
   }
   carry(a.body->mesh, b ? &b->body->mesh : nullptr, geometry.pairs);
-  geometry.round = !b && context.contact.obstacle != Obstacle::plane;
-  geometry.reaches_beyond = reaches_beyond(a, b ? &*b : nullptr, geometry);
+  geometry.reaches_beyond = reaches_beyond(context.contact, a, b ? &*b : nullptr, geometry);
   geometry.matching =
       std::all_of(geometry.pairs.begin(), geometry.pairs.end(), [](const ContactPair& p) { return p.b.size() <= 1; });
   for (auto& pair : geometry.pairs) check_start(context, a, b ? &*b : nullptr, pair);

@@ -45,8 +45,7 @@ class Drawing {
         model_(problem.scene.model),
         reach_(reach_of(problem, geometry_)) {
     const auto& pair = geometry_.pairs.front();
-    first_place_ = own_place(problem, geometry_, pair);
-    plane_m_ = first_place_.dot(normal()) + pair.gap0_m;
+    plane_m_ = own_place(problem, geometry_, pair).dot(normal()) + pair.gap0_m;
     for (const auto& other : geometry_.pairs)
       plane_m_ = std::min(plane_m_, own_place(problem, geometry_, other).dot(normal()) + other.gap0_m);
     const double own_strip_m = std::sqrt(problem.bodies[fem::at(geometry_.body_a)].section.measure);
@@ -112,13 +111,6 @@ class Drawing {
     drawn_.cells = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   }
 
-  /// The initial gap lifts what is round off along the normal of the surface (problem/rigid_obstacle.cpp).
-  [[nodiscard]] Vector3d centre() const {
-    const auto& pair = geometry_.pairs.front();
-    const double gap_m = contact_.initial_gap_m;
-    const double far_m = pair.gap0_m - gap_m * pair.normal.dot(normal()) + contact_.rigid_radius_m;
-    return first_place_ + far_m * pair.normal + gap_m * normal();
-  }
   /// Half of the angle that is drawn, a little less than half of the round.
   [[nodiscard]] double half_angle() const {
     return std::min(0.999 * std::numbers::pi, 1.2 * reach_.half_m / contact_.rigid_radius_m);
@@ -127,7 +119,7 @@ class Drawing {
   void draw_arc() {
     const double radius_m = contact_.rigid_radius_m, inner_m = radius_m - std::min(0.5 * radius_m, thickness_m());
     const bool half = model_ == Model::axisymmetric;
-    const Vector3d middle = centre(), across = (half && along()[0] < 0.0 ? -1.0 : 1.0) * along();
+    const Vector3d middle = geometry_.middle_m, across = (half && along()[0] < 0.0 ? -1.0 : 1.0) * along();
     for (const double r_m : {radius_m, inner_m}) {
       for (int i = 0; i <= segments; ++i) {
         const double share = static_cast<double>(i) / segments,
@@ -139,7 +131,7 @@ class Drawing {
   }
 
   void draw_cap() {
-    const Vector3d middle = centre(), t = along(), b = normal().cross(t);
+    const Vector3d middle = geometry_.middle_m, t = along(), b = normal().cross(t);
     const double radius_m = contact_.rigid_radius_m;
     constexpr int rings = segments / 2;
     const int pole = add(middle - radius_m * normal());
@@ -163,7 +155,7 @@ class Drawing {
 
   void draw_shell() {
     const Vector3d axis = Vector3d::Unit(contact_.rigid_axis), across = axis.cross(normal());
-    Vector3d middle = centre();
+    Vector3d middle = geometry_.middle_m;
     middle[contact_.rigid_axis] = reach_.middle[contact_.rigid_axis];
     for (const double side : {-1.0, 1.0}) {
       for (int i = 0; i <= segments; ++i) {
@@ -179,7 +171,6 @@ class Drawing {
   const Contact& contact_;
   Model model_;
   Reach reach_;
-  Vector3d first_place_{0.0, 0.0, 0.0};
   double plane_m_ = 0.0;  ///< of the plane along the normal
   DrawnObstacle drawn_{};
 };

@@ -199,6 +199,31 @@ Shape::Overlap Shape::overlap(const Shape& other, double tolerance_m) const {
   return worst;
 }
 
+const Eigen::Vector3d& Shape::deepest(const RigidShape& rigid) const {
+  return *std::max_element(x_.begin(), x_.end(),
+                           [&](const auto& x, const auto& y) { return rigid.depth_m(x) < rigid.depth_m(y); });
+}
+
+RigidShape::RigidShape(const Contact& contact, const ContactGeometry& geometry, const fem::Mesh& mesh_a) {
+  if (!geometry.round) {
+    const ContactPair& pair = geometry.pairs.front();
+    direction_ = geometry.normal;
+    place_m_ = mesh_a.position[at(pair.node_a)] + pair.gap0_m * direction_;
+    return;
+  }
+  radius_m_ = contact.rigid_radius_m;
+  direction_ = Eigen::Vector3d::Zero();
+  if (contact.obstacle == Obstacle::cylinder)
+    direction_[mesh_a.model == fem::Model::solid ? contact.rigid_axis : 2] = 1.0;
+  place_m_ = geometry.middle_m;
+}
+
+double RigidShape::depth_m(const Eigen::Vector3d& place) const {
+  const Eigen::Vector3d way = place - place_m_;
+  const double along_m = way.dot(direction_);
+  return radius_m_ == 0.0 ? along_m : radius_m_ - (way - along_m * direction_).norm();
+}
+
 double overlap_tolerance(const Shape& a, const Shape& b) {
   return tolerated_share * std::min(a.shortest_edge(), b.shortest_edge());
 }

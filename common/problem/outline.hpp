@@ -28,6 +28,7 @@ struct BodyPair {
 [[nodiscard]] std::vector<const ContactGeometry*> contacts_to_watch(const Problem& problem);
 
 class Columns;
+class RigidShape;
 
 /// A body where it has got to. Bars and meshes that repeat across are intervals along the axis.
 class Shape {
@@ -53,11 +54,13 @@ class Shape {
   /// Largest depth at which a node or the middle of an edge (of a solid: of a triangle) of either lies within the
   /// other; none where it is known to be no more than `tolerance_m`.
   [[nodiscard]] Overlap overlap(const Shape& other, double tolerance_m = 0.0) const;
-  /// The place that is furthest along a direction [m].
-  [[nodiscard]] const Eigen::Vector3d& furthest(const Eigen::Vector3d& direction) const;
+  /// The place of a node that lies deepest in what is rigid [m].
+  [[nodiscard]] const Eigen::Vector3d& deepest(const RigidShape& rigid) const;
 
  private:
   [[nodiscard]] bool boxes_meet(const Shape& other) const;
+  /// The place that is furthest along a direction [m].
+  [[nodiscard]] const Eigen::Vector3d& furthest(const Eigen::Vector3d& direction) const;
   [[nodiscard]] bool plane_between(const Shape& other, double tolerance_m) const;
   /// How deep a place lies within, in the plane; <= 0 outside.
   [[nodiscard]] double depth(const Eigen::Vector3d& place) const;
@@ -70,6 +73,21 @@ class Shape {
   std::vector<Eigen::Vector3d> reference_, x_;
   Eigen::Vector3d low_{0.0, 0.0, 0.0}, high_{0.0, 0.0, 0.0};
   double shortest_edge_m_ = 0.0;
+};
+
+/// What is rigid and has a contact, as big as it is.
+class RigidShape {
+ public:
+  RigidShape(const Contact& contact, const ContactGeometry& geometry, const fem::Mesh& mesh_a);
+
+  /// How deep a place lies within; negative outside [m].
+  [[nodiscard]] double depth_m(const Eigen::Vector3d& place) const;
+
+ private:
+  double radius_m_ = 0.0;  ///< 0: a plane
+  /// Of a plane its normal; of a cylinder its axis, of a sphere zero.
+  Eigen::Vector3d direction_;
+  Eigen::Vector3d place_m_;  ///< in the plane; the middle of what is round
 };
 
 /// Depth of an overlap from which on it is one, and no round-off or rim of bodies that touch [m].

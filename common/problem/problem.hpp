@@ -64,6 +64,7 @@ struct ContactGeometry {
   /// but for hanging ones, are contact nodes, else those of the pairs.
   std::shared_ptr<const surface::ContactMesh> sliding;
   std::array<std::vector<int>, 2> sliding_nodes{};  ///< then of body_a and body_b, ascending, without hanging ones
+  Eigen::Vector3d middle_m{0.0, 0.0, 0.0};          ///< of a sphere or a cylinder, its initial gap in it
 };
 
 /// The direction along the surface that momentum and friction are looked at in: t = (-n_y, n_x, 0), n turned round to

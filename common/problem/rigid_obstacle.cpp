@@ -75,7 +75,7 @@ std::optional<WayToMiddle> way_to_middle(const ContactContext& context, const Co
 
 /// The obstacle is moved along the surface's normal to where it touches. There each node has the normal to its nearest
 /// place on the obstacle, and the distance to it; the initial gap lifts the obstacle off along the surface's normal.
-std::vector<ContactPair> round_pairs(const ContactContext& context, const ContactSide& side) {
+void set_round_pairs(const ContactContext& context, const ContactSide& side, ContactGeometry& geometry) {
   const Contact& contact = context.contact;
   const Eigen::Vector3d axis = axis_of(context, side);
   std::vector<std::optional<WayToMiddle>> ways;
@@ -84,7 +84,7 @@ std::vector<ContactPair> round_pairs(const ContactContext& context, const Contac
     ways.push_back(way_to_middle(context, side, i, axis));
     if (ways.back()) lift_m = std::max(lift_m, ways.back()->depth_m - ways.back()->rise_m);
   }
-  std::vector<ContactPair> pairs;
+  std::vector<ContactPair>& pairs = geometry.pairs;
   for (std::size_t i = 0; i < side.nodes.size(); ++i) {
     if (!ways[i]) continue;
     const Eigen::Vector3d to_middle = ways[i]->along_m + (ways[i]->rise_m + lift_m) * side.normal;
@@ -93,12 +93,12 @@ std::vector<ContactPair> round_pairs(const ContactContext& context, const Contac
     ContactPair& pair = pairs.back();
     pair.distance_m = side.position(i)[0];
     pair.gap0_m = far_m - contact.rigid_radius_m + contact.initial_gap_m * pair.normal.dot(side.normal);
+    geometry.middle_m = side.position(i) + to_middle + contact.initial_gap_m * side.normal;
   }
   if (pairs.empty())
     context.refuse(fmt::format("no node of surface \"{}\" within {:.6g} m, the radius, of the middle of the obstacle",
                                side.name, contact.rigid_radius_m),
                    "an obstacle in the way of the surface: another rigid_place_m or a finer mesh");
-  return pairs;
 }
 
 /// A pair keeps its place on the obstacle.
@@ -112,12 +112,16 @@ void refuse_sliding(const ContactContext& context, const ContactSide& side) {
 
 }  // namespace
 
-std::vector<ContactPair> rigid_pairs(const ContactContext& context, const ContactSide& side) {
-  if (with_placed_plane(context.contact)) return placed_plane_pairs(context, side);
-  if (context.contact.obstacle == Obstacle::plane) return plane_pairs(context, side);
+void set_rigid_pairs(const ContactContext& context, const ContactSide& side, ContactGeometry& geometry) {
+  geometry.round = context.contact.obstacle != Obstacle::plane;
+  if (!geometry.round) {
+    geometry.pairs =
+        with_placed_plane(context.contact) ? placed_plane_pairs(context, side) : plane_pairs(context, side);
+    return;
+  }
   require_matching(context, {fmt::format("those of \"{}\" against what is round", side.name)});
   refuse_sliding(context, side);
-  return round_pairs(context, side);
+  set_round_pairs(context, side, geometry);
 }
 
 }  // namespace ricochet::scene

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "common/base/names.hpp"
 #include "common/scene/loaders.hpp"
 
 namespace ricochet::scene {
 namespace {
-
-const std::map<std::string, Obstacle> obstacles{
-    {"rigid_plane", Obstacle::plane}, {"rigid_sphere", Obstacle::sphere}, {"rigid_cylinder", Obstacle::cylinder}};
 
 /// "steel.end" -> steel, end.
 SurfaceName load_surface_name(const TableReader& table, const std::string& text, const Scene& scene) {
@@ -36,9 +32,11 @@ void load_surfaces(TableReader& table, const Scene& scene, Contact& contact) {
   const std::vector<std::string> names = table.texts("surfaces");
   if (names.size() != 2) table.refuse("surfaces", fmt::format("{} surfaces", names.size()), "two surfaces");
   contact.first = load_surface_name(table, names[0], scene);
-  const auto obstacle = obstacles.find(names[1]);
-  contact.obstacle = obstacle == obstacles.end() ? Obstacle::plane : obstacle->second;
-  if (obstacle != obstacles.end()) return;
+  const auto obstacle = std::find(obstacle_names.begin(), obstacle_names.end(), names[1]);
+  if (obstacle != obstacle_names.end()) {
+    contact.obstacle = static_cast<Obstacle>(obstacle - obstacle_names.begin());
+    return;
+  }
   contact.second = load_surface_name(table, names[1], scene);
   if (contact.first.body == contact.second->body)
     table.refuse("surfaces", "two surfaces of body \"" + contact.first.body + "\"", "surfaces of two bodies");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,6 +29,7 @@ enum class FrictionLaw { return_mapping, regularised };
 
 /// All that is rigid and may be the second of two surfaces.
 enum class Obstacle { plane, sphere, cylinder };
+inline constexpr std::array<const char*, 3> obstacle_names{"rigid_plane", "rigid_sphere", "rigid_cylinder"};
 
 struct Contact {
   std::string name;                   ///< of one of several; empty of a scene's only one

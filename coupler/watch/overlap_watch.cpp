@@ -59,9 +59,9 @@ OverlapWatch::OverlapWatch(const scene::Problem& problem) : problem_(problem) {
       }
       continue;
     }
-    const auto& pair = contact->pairs.front();
-    const double offset_m = contact->normal.dot(problem.bodies[fem::at(a)].mesh.position[fem::at(pair.node_a)]);
-    planes_.push_back({a, contact->normal, offset_m + pair.gap0_m, tolerance_m});
+    const scene::Contact& spec = problem.scene.contacts[static_cast<std::size_t>(contact - problem.contacts.data())];
+    const char* const name = scene::obstacle_names[static_cast<std::size_t>(spec.obstacle)];
+    rigid_.push_back({a, name, scene::RigidShape(spec, *contact, problem.bodies[fem::at(a)].mesh), tolerance_m});
   }
 }
 
@@ -150,15 +150,16 @@ void OverlapWatch::look_at(const Pair& pair, std::int64_t window, std::vector<Fo
                    overlap.place});
 }
 
-/// Nothing flies through a half-space, so the end of the way is enough. When it came there is known to one look.
-void OverlapWatch::look_at(const Plane& plane, std::int64_t window, std::vector<Found>& found) {
-  Body& body = bodies_[fem::at(plane.body)];
+/// Nothing flies through what its surface must touch before, so the end of the way is enough. When it came there is
+/// known to one look.
+void OverlapWatch::look_at(const Rigid& rigid, std::int64_t window, std::vector<Found>& found) {
+  Body& body = bodies_[fem::at(rigid.body)];
   if (!body.all_told()) return;
   move(body, 1.0);
-  const Eigen::Vector3d& deepest = body.shape.furthest(plane.normal);
-  const double depth_m = deepest.dot(plane.normal) - plane.offset_m;
-  if (!(depth_m > plane.tolerance_m)) return;
-  found.push_back({body.name, "rigid_plane", true, depth_m, time_s(window, 1.0), time_s(window, 0.0), deepest});
+  const Eigen::Vector3d& deepest = body.shape.deepest(rigid.shape);
+  const double depth_m = rigid.shape.depth_m(deepest);
+  if (!(depth_m > rigid.tolerance_m)) return;
+  found.push_back({body.name, rigid.name, true, depth_m, time_s(window, 1.0), time_s(window, 0.0), deepest});
 }
 
 std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& links, std::int64_t window) {
@@ -166,7 +167,7 @@ std::vector<OverlapWatch::Found> OverlapWatch::update(const std::vector<Link>& l
   if (bodies_.empty()) return found;
   for (const auto& link : links) take(link);
   for (const auto& pair : pairs_) look_at(pair, window, found);
-  for (const auto& plane : planes_) look_at(plane, window, found);
+  for (const auto& rigid : rigid_) look_at(rigid, window, found);
   for (auto& body : bodies_) body.before = body.now;
   last_window_ = window;
   return found;

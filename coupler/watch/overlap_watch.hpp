@@ -48,15 +48,16 @@ class OverlapWatch {
     Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};  ///< ContactGeometry's: the second body is off its mesh
     bool beside_contact = false;
   };
-  /// A rigid one: outside are places x with normal . x < offset.
-  struct Plane {
+  /// What is rigid, and the body that has a contact with it.
+  struct Rigid {
     int body = 0;
-    Eigen::Vector3d normal;
-    double offset_m = 0.0, tolerance_m = 0.0;
+    const char* name;
+    scene::RigidShape shape;
+    double tolerance_m = 0.0;
   };
   void take(const Link& link);
   void look_at(const Pair& pair, std::int64_t window, std::vector<Found>& found);
-  void look_at(const Plane& plane, std::int64_t window, std::vector<Found>& found);
+  void look_at(const Rigid& rigid, std::int64_t window, std::vector<Found>& found);
   [[nodiscard]] double time_s(std::int64_t window, double share) const;
   /// Moves a body to a share of the way since the last look.
   static void move(Body& body, double share, const Eigen::Vector3d& lifted_m = {0.0, 0.0, 0.0});
@@ -66,7 +67,7 @@ class OverlapWatch {
 
   const scene::Problem& problem_;
   std::vector<Pair> pairs_;
-  std::vector<Plane> planes_;
+  std::vector<Rigid> rigid_;
   std::vector<Body> bodies_;
   std::int64_t last_window_ = 0;
 };

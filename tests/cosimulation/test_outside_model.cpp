@@ -281,6 +281,24 @@ TEST(PostAboveARigidPlane, StopsTheRunUnlessItIsInAHoleFromTheStart) {
   EXPECT_EQ(in_a_hole.outcome.code, 0) << in_a_hole.outcome.error;
 }
 
+// The corner of the post has 0.21 mm to go, and sinks by 0.66 of its way: a quarter of an edge of 0.25 mm after 0.1 mm.
+TEST(PostBesideARigidCylinder, StopsTheRun) {
+  const TemporaryFolder folder;
+  const auto run = run_file(
+      folder.write("model = \"plane_strain\"\n[[body]]\nname = \"block\"\nmaterial = \"steel_a36\"\n"
+                   "initial_velocity_m_s = [0.0, -10.0]\n[body.mesh]\n"
+                   "tie = [{ surfaces = [\"block.start\", \"post.end\"] }]\npiece = [\n"
+                   "{ name = \"block\", height_m = 0.016, length_m = 0.004, elements = [32, 8] },\n"
+                   "{ name = \"post\", height_m = 0.002, length_m = 0.0029, start_m = -0.0029, elements = [8, 12] }]\n"
+                   "[contact]\nsurfaces = [\"block.block.start\", \"rigid_cylinder\"]\nrigid_radius_m = 0.008\n"
+                   "rigid_place_m = [0.008, 0.0]\ninitial_gap_m = 4e-4\n[partition]\n"
+                   "implicit_length_m = { block = 0.001 }\n" +
+                   settings(5e-9, 5e-5, "hughes_liu")),
+      folder);
+  expect_left(run, "overlap", "'block' and 'rigid_cylinder' overlap");
+  EXPECT_NEAR(find(run, "overlap")->at("first_s").get<double>(), 30.4e-6, 1e-6);
+}
+
 TEST(Rotation, AboveTwoDegreesIsSaid) {
   const TemporaryFolder folder;  // a cantilever that bends
   const std::string text = "model = \"plane_strain\"\n" +

@@ -3,8 +3,9 @@
 [--build DIR] [--seed N] [--count N] [--keep DIR]. Balls and discs against each other, blocks, rigid planes, rigid spheres
 and rigid cylinders, apart or not, straight, oblique, spinning, with and without friction, by five protocols each; under
 the first one also with the names in the other order and with the whole scene turned in space. A line beginning with ! for
-each run that fails by another code than those of a refusal or of leaving the model, makes energy, loses momentum, or has
-another impulse than the first one; then how many runs there were. Needs Python 3.11 alone."""
+each run that fails by another code than those of a refusal or of leaving the model, makes energy, loses momentum, has
+another impulse than the first one, or writes other bytes when it is resumed in its middle; then how many runs there
+were. Needs Python 3.11 alone."""
 import itertools
 import json
 import math
@@ -155,7 +156,8 @@ def drawn(lot):
             "radius_below_m": lot.choice([0.005, 0.01]), "modulus": lot.choice([20e9, 70e9]),
             "modulus_below": lot.choice([70e9, 200e9]), "yields": lot.random() < 0.1, "rigid": lot.random() < 0.1,
             "turns": spin != 0.0 or (model != "axisymmetric" and lot.random() < 0.2),
-            "outside": lot.random() < 0.3, "turned_deg": degrees, "deep": lot.choice([0.3, 0.7, 0.0])}
+            "outside": lot.random() < 0.3, "turned_deg": degrees, "deep": lot.choice([0.3, 0.7, 0.0]),
+            "resumed": lot.choice(PROTOCOLS[:3])}
 
 
 def body(name, d, space, mesh, moved_m, velocity, modulus, flags):
@@ -287,14 +289,31 @@ def scene(lot):
     return json.dumps(drawn(lot))
 
 
+def call(*command):
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def with_keys(changes):
+    return itertools.chain.from_iterable(("--set", change) for change in changes)
+
+
+def resumed(ricochet, path, protocol):
+    """What is wrong with a run that is resumed in its middle, beside the whole one."""
+    whole, half = path.with_suffix("." + protocol), path.with_suffix(".half")
+    keys = with_keys([f"coupling.protocol={protocol}", "time.end_s=7.5e-5", "checkpoint.every_windows=700"])
+    first = call(ricochet, "run", path, "--out", half, *keys)
+    second = call(ricochet, "resume", half, "--until", "1.5e-4")
+    if first.returncode or second.returncode:
+        return f"half {first.returncode}, resumed {second.returncode}: {second.stderr.strip()[:300]}"
+    same = (whole / "history.csv").read_bytes() == (half / "history.csv").read_bytes()
+    return "" if same else "other bytes when it is resumed"
+
+
 def run(ricochet, path, protocol):
     """What is wrong, or an empty text, None if it was refused; and the summary of a run that came to its end."""
     out = path.with_suffix("." + protocol)
     changes = [f"coupling.protocol={protocol}"] + ["coupling.substeps=2"] * (protocol == "prakash_hjelmstad")
-    command = [ricochet, "run", path, "--out", out]
-    for change in changes:
-        command += ["--set", change]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = call(ricochet, "run", path, "--out", out, *with_keys(changes))
     if done.returncode == REFUSED:
         return None, None
     if done.returncode == LEFT_THE_MODEL:
@@ -317,6 +336,8 @@ def verdicts(ricochet, path):
         first = summary if protocol == PROTOCOLS[0] else first
         if first and summary:
             yield protocol, False, differs(first, summary, MOST_BY_PROTOCOL)
+        if summary and protocol == d["resumed"]:
+            yield f"resumed {protocol}", False, resumed(ricochet, path, protocol)
     for name, turned, swapped in (("turned", True, False), ("swapped", False, True)):
         if (turned and d["model"] == "axisymmetric") or (swapped and d["below"].startswith("rigid")):
             continue

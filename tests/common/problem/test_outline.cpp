@@ -150,6 +150,10 @@ TEST(ContactsToWatch, AreThoseOfABodyThatReachesBeyondItsSurface) {
   EXPECT_EQ(watched(block_with_post(plate, 0.002)), 1U);
   EXPECT_EQ(watched(block_with_post("", 0.002)), 1U);
   EXPECT_EQ(watched(block_with_post("", 0.0005)), 0U) << "in a hole of the rigid plane from the start";
+  for (const auto& [gap_m, count] : {std::pair(0.002, 1U), std::pair(0.0005, 0U)})
+    EXPECT_EQ(
+        watched(replaced(block_with_post("", gap_m), "\"rigid_plane\"]", "\"rigid_cylinder\"]\nrigid_radius_m = 1.0")),
+        count);
   const std::string as_high =
       "{ name = \"post\", height_m = 0.002, length_m = 0.004, elements = [2, 4], place = { moved_m = [0.01, 0.0] } }";
   const std::string beside =
