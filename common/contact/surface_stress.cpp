@@ -53,6 +53,7 @@ SurfaceStress::SurfaceStress(const scene::Problem& problem, const std::vector<Bo
 
 bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<BodyState>& states, int body, bool first) {
   const auto& surface = first ? problem.scene.contact_law().first.surface : problem.scene.contact_law().second->surface;
+  const std::vector<int> touching = scene::contact_nodes(problem.contacts.front(), body);
   for (std::size_t p = 0; p < states.size(); ++p) {
     const auto& part = states[p].part;
     const auto found = part.mesh.surfaces.find(surface);
@@ -62,9 +63,12 @@ bool SurfaceStress::collect(const scene::Problem& problem, const std::vector<Bod
     plastic_ = states[p].plastic;
     const int components = fem::components(model_);
     const auto elements = elements_by_face(part.mesh, found->second);
+    const auto may_touch = [&](int node) {
+      return std::binary_search(touching.begin(), touching.end(), part.body_node[fem::at(node)]);
+    };
     for (const fem::Face& face : found->second) {
       const auto behind = elements.find(fem::sorted(face));
-      if (behind == elements.end()) continue;
+      if (behind == elements.end() || std::none_of(face.begin(), face.end(), may_touch)) continue;
       for (const int element : behind->second) {
         const fem::Element& nodes = part.mesh.elements[fem::at(element)];
         const auto middle = face_middle(nodes, face);

@@ -113,6 +113,16 @@ std::string rigid_block() {
          replaced(lower, plastic, "");
 }
 
+/// A cylinder on the middle of a plate, most of whose surface nothing can touch.
+std::string cylinder_on_plate() {
+  const std::string body =
+      "[[body]]\nname = \"{}\"\nmaterial = \"steel_a36\"\ninitial_velocity_m_s = [0.0, {}]\n"
+      "mesh = {{ start_m = {}, length_m = {}, radius_m = {}, elements = {} }}\n";
+  return "model = \"axisymmetric\"\n" + fmt::format(fmt::runtime(body), "plate", 0.0, -0.004, 0.004, 0.03, "[90, 12]") +
+         fmt::format(fmt::runtime(body), "cylinder", -10.0, 0.0, 0.006, 0.003, "[6, 12]") +
+         "[contact]\nsurfaces = [\"plate.end\", \"cylinder.start\"]\n[time]\nend_s = 4e-6\n";
+}
+
 /// Each kind of scene is tried with few and with many ranks; no scene with all numbers, which would take minutes.
 std::vector<RankedRun> ranked_runs() {
   std::vector<RankedRun> runs;
@@ -136,6 +146,7 @@ std::vector<RankedRun> ranked_runs() {
   const std::string striker =
       with_key(with_key(with_absolute_meshes(config_text("rounded_striker")), "time", "step_s", "25e-9"), "time",
                "end_s", "5e-6");
+  add("cylinder_on_plate", with_protocol(cylinder_on_plate(), "all_explicit"), {3});
   add("small_steps", with_protocol(striker, "local_explicit"), {2, 5});
   const std::pair<std::string, int> protocols[] = {{"hughes_liu", 2}, {"prakash_hjelmstad", 3}, {"all_explicit", 5}};
   for (const auto& [protocol, ranks] : protocols) {

@@ -1,7 +1,7 @@
 #include "tests/support/run.hpp"
 #include "tests/support/vtu.hpp"
 
-// Acceptance A2, configs/rod_on_stop.toml: a stretched rod springs against a stop four times (period 3).
+// Acceptance A2, configs/rod_on_stop.toml: a compressed rod springs against a stop four times (period 3).
 
 namespace ricochet::test {
 namespace {
