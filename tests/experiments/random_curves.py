@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Draws impacts of curved bodies by lot and looks at what every run must keep: tests/experiments/random_curves.py
-[--build DIR] [--seed N] [--count N] [--keep DIR]. Balls and discs against each other, blocks, rigid planes, rigid spheres
-and rigid cylinders, apart or not, straight, oblique, spinning, with and without friction, by five protocols each; under
-the first one also with the names in the other order and with the whole scene turned in space. A line beginning with ! for
-each run that fails by another code than those of a refusal or of leaving the model, makes energy, loses momentum, has
-another impulse than the first one, or writes other bytes when it is resumed in its middle; then how many runs there
-were. Needs Python 3.11 alone."""
+[--build DIR] [--seed N] [--count N] [--keep DIR]. Balls and discs against each other, blocks, rigid planes, rigid
+spheres and rigid cylinders, apart or not, straight, oblique, spinning, with and without friction, by five protocols
+each; under the first one also with the names in the other order and with the whole scene turned in space. A line
+beginning with ! for each run that fails by another code than those of a refusal or of leaving the model, makes energy,
+loses momentum, has another impulse than the first one, or writes other bytes when it is resumed in its middle or
+computed with ranks or threads; then how many runs there were. Needs Python 3.11 alone."""
 import itertools
 import json
 import math
@@ -16,7 +16,7 @@ from drawn_runs import draw
 PROTOCOLS = ("all_explicit", "all_implicit", "hughes_liu", "local_explicit", "prakash_hjelmstad")
 REFUSED, LEFT_THE_MODEL = 2, 6
 MOST_ENERGY, MOST_MOMENTUM = 2e-2, 1e-7  # made, of the largest; lost, of the largest
-MOST_BY_PROTOCOL, MOST_BY_ORDER = 0.05, 0.02  # differences of impulses, of the largest
+MOST_BY_PROTOCOL, MOST_BY_ORDER = 0.05, 0.1  # differences of impulses, of the largest; few nodes touch
 CORE = 0.55  # half the edge of the block in the middle of a ball, of its radius
 
 
@@ -29,8 +29,8 @@ def dot(a, b):
 
 
 def ball_mesh(model, radius_m, across, layers):
-    """An .inp file of a ball of which `across` elements, an even number, lie across the block in its middle and `layers`
-    around that. Surfaces "low" and "high", within 50 degrees of the vertical, the last axis, and "outside"."""
+    """An .inp file of a ball of which `across` elements, an even number, lie across the block in its middle and
+    `layers` around that. Surfaces "low" and "high", within 50 degrees of the vertical, the last axis, and "outside"."""
     solid = model == "solid"
     dimensions = 3 if solid else 2
     nodes, elements, surfaces = {}, [], {"low": [], "high": [], "outside": []}
@@ -41,7 +41,8 @@ def ball_mesh(model, radius_m, across, layers):
             cube = [2.0 * p / across - 1.0 for p in place]
             share = layer / layers
             length = math.sqrt(dot(cube, cube)) or 1.0
-            rounded = [CORE * c * (1.0 - 0.25 * (length * length - 1.0) / 2.0 * (max(map(abs, cube)) ** 2)) for c in cube]
+            bulge = 1.0 - 0.125 * (length * length - 1.0) * max(map(abs, cube)) ** 2
+            rounded = [CORE * bulge * c for c in cube]
             nodes[key] = (len(nodes) + 1, [radius_m * ((1.0 - share) * r + share * c / length)
                                            for r, c in zip(rounded, cube)])
         return nodes[key][0]
@@ -146,7 +147,8 @@ def drawn(lot):
     off_m = 0.0 if model == "axisymmetric" or below in ("block", "rigid_plane") else lot.choice([0.0, 0.0, 0.001])
     spin = lot.choice([0.0, 300.0]) if model != "axisymmetric" and above == "ball" else 0.0
     gap_m = lot.choice([0.0, 3e-6, 5e-5, 2e-4])
-    across, layers = lot.choice([4, 6] if model == "solid" else [8, 12]), lot.choice([2, 3] if model == "solid" else [4, 6])
+    across = lot.choice([4, 6] if model == "solid" else [8, 12])
+    layers = lot.choice([2, 3] if model == "solid" else [4, 6])
     degrees = [0.0, 0.0, lot.uniform(-170.0, 170.0)] if model == "plane_strain" else \
         [lot.uniform(-90.0, 90.0) * (below != "rigid_cylinder" or k == 1) for k in range(3)]
     return {"model": model, "below": below, "above": above, "aside": aside, "off_m": off_m, "spin": spin,
@@ -157,7 +159,7 @@ def drawn(lot):
             "modulus_below": lot.choice([70e9, 200e9]), "yields": lot.random() < 0.1, "rigid": lot.random() < 0.1,
             "turns": spin != 0.0 or (model != "axisymmetric" and lot.random() < 0.2),
             "outside": lot.random() < 0.3, "turned_deg": degrees, "deep": lot.choice([0.3, 0.7, 0.0]),
-            "resumed": lot.choice(PROTOCOLS[:3])}
+            "resumed": lot.choice(PROTOCOLS[:3]), "hands": lot.choice(["", "", "ranks = 2", "threads = 2"])}
 
 
 def body(name, d, space, mesh, moved_m, velocity, modulus, flags):
@@ -174,8 +176,8 @@ def body(name, d, space, mesh, moved_m, velocity, modulus, flags):
     return text + f"mesh = {{ {mesh}{space.place(moved_m)} }}\n"
 
 
-def write(d, path, turned, swapped):
-    """The scene and its meshes."""
+def write(d, path, turned, swapped, hands=""):
+    """The scene and its meshes; `hands`: how many compute the explicit side."""
     model, dimensions = d["model"], 3 if d["model"] == "solid" else 2
     space = Space(model, d["turned_deg"] if turned else [0.0, 0.0, 0.0])
     around = d["outside"] and d["turns"] and d["above"] == "ball"
@@ -259,6 +261,10 @@ def write(d, path, turned, swapped):
     partition = f'implicit_length_m = {{ {", ".join(parts)} }}' if d["deep"] else 'rule = "auto"'
     text += f"[partition]\n{partition}\n[time]\nstep_s = {4e-8 if dimensions == 2 else 5e-8}\n"
     text += "end_s = 1.5e-4\n[output]\nhistory_every = 20\n[coupling]\nprotocol = \"all_explicit\"\n"
+    if hands:
+        named = ", ".join(f'"{name}"' for name in names)
+        text += f'[[participant]]\nname = "explicit"\nrole = "explicit"\nbodies = [{named}]\n{hands}\n'
+        text += '[[participant]]\nname = "implicit"\nrole = "implicit"\n'
     path.write_text(text)
 
 
@@ -305,8 +311,22 @@ def resumed(ricochet, path, protocol):
     second = call(ricochet, "resume", half, "--until", "1.5e-4")
     if first.returncode or second.returncode:
         return f"half {first.returncode}, resumed {second.returncode}: {second.stderr.strip()[:300]}"
-    same = (whole / "history.csv").read_bytes() == (half / "history.csv").read_bytes()
-    return "" if same else "other bytes when it is resumed"
+    return "" if same_history(whole, half) else "other bytes when it is resumed"
+
+
+def same_history(one, other):
+    return (one / "history.csv").read_bytes() == (other / "history.csv").read_bytes()
+
+
+def by_many_hands(ricochet, path, d, protocol):
+    """What is wrong with a run by ranks or threads, beside that of one."""
+    many = path.with_name(f"{path.stem}_hands.toml")
+    write(d, many, False, False, d["hands"])
+    said, summary = run(ricochet, many, protocol)
+    if summary is None:
+        return said or ""
+    same = same_history(path.with_suffix("." + protocol), many.with_suffix("." + protocol))
+    return said if same else f"other bytes with {d['hands']}"
 
 
 def run(ricochet, path, protocol):
@@ -338,6 +358,8 @@ def verdicts(ricochet, path):
             yield protocol, False, differs(first, summary, MOST_BY_PROTOCOL)
         if summary and protocol == d["resumed"]:
             yield f"resumed {protocol}", False, resumed(ricochet, path, protocol)
+        if summary and d["hands"] and protocol in ("all_explicit", "hughes_liu"):
+            yield protocol, False, by_many_hands(ricochet, path, d, protocol)
     for name, turned, swapped in (("turned", True, False), ("swapped", False, True)):
         if (turned and d["model"] == "axisymmetric") or (swapped and d["below"].startswith("rigid")):
             continue
