@@ -12,7 +12,7 @@ namespace ricochet::solver {
 /// Mean over the surface of the (first) contact of the most compressive principal stress, positive in compression [Pa]:
 ///   sigma_mean = - sum_e A_e sigma_III(middle of the face of e) / sum_e A_e
 /// over the faces of the contact surface that have a contact node, of the first body that has any here (the scene's
-/// first surface first). What lies beyond those nodes is nowhere near the contact, and may be with another participant
+/// first surface first). Faces beyond those nodes are nowhere near the contact, and may be with another participant
 /// or rank. This is the "mean value of principal stress on the contact surface" of the paper's Fig. 3-5.
 class SurfaceStress {
  public:

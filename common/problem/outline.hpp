@@ -75,7 +75,7 @@ class Shape {
   double shortest_edge_m_ = 0.0;
 };
 
-/// What is rigid and has a contact, as big as it is.
+/// A rigid plane, sphere or cylinder that has a contact.
 class RigidShape {
  public:
   RigidShape(const Contact& contact, const ContactGeometry& geometry, const fem::Mesh& mesh_a);
@@ -85,7 +85,7 @@ class RigidShape {
 
  private:
   double radius_m_ = 0.0;  ///< 0: a plane
-  /// Of a plane its normal; of a cylinder its axis, of a sphere zero.
+  /// A plane's normal, a cylinder's axis; zero of a sphere.
   Eigen::Vector3d direction_;
   Eigen::Vector3d place_m_;  ///< in the plane; the middle of what is round
 };

@@ -48,7 +48,7 @@ class OverlapWatch {
     Eigen::Vector3d lifted_m{0.0, 0.0, 0.0};  ///< ContactGeometry's: the second body is off its mesh
     bool beside_contact = false;
   };
-  /// What is rigid, and the body that has a contact with it.
+  /// An obstacle, and the body that has a contact with it.
   struct Rigid {
     int body = 0;
     const char* name;

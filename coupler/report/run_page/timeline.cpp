@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
+#include <string_view>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -27,6 +29,30 @@ struct Process {
 
 constexpr int last_settled = first_settled + timeline_windows - 1;
 
+/// A line of results/trace.cpp that tells of a window that is not shown, or counts something.
+bool is_beside(std::string_view line) {
+  constexpr std::string_view key = "\"window\": ";
+  if (!line.starts_with("{\"name\": ")) return false;
+  const auto at = line.rfind(key);
+  if (at == std::string_view::npos) return line.find("\"ph\": \"C\"") != std::string_view::npos;
+  int window = 0;
+  std::from_chars(line.data() + at + key.size(), line.data() + line.size(), window);
+  return window > last_settled;
+}
+
+/// A trace without those lines, which are nearly all of it and would take their time to parse.
+std::string shown_lines(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
+    text.remove_prefix(line.size());
+    if (is_beside(line)) continue;
+    if (line.starts_with("]}") && shown.ends_with(",\n")) shown.resize(shown.size() - 2);
+    shown += line;
+  }
+  return shown;
+}
+
 /// Keeps of a trace only names and the spans of windows that may be shown, already while it is parsed.
 Json parse(const std::string& text) {
   const auto keep = [](int, Json::parse_event_t event, Json& value) {
@@ -35,7 +61,7 @@ Json parse(const std::string& text) {
     return 1 <= window && window <= last_settled;
   };
   try {
-    return Json::parse(text, keep).at("traceEvents");
+    return Json::parse(shown_lines(text), keep).at("traceEvents");
   } catch (const Json::exception& error) {
     throw ConfigError(fmt::format("trace.json is not the trace of a run: {}", error.what()));
   }

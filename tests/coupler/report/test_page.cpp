@@ -10,6 +10,7 @@
 #include "coupler/report/parts/text.hpp"
 #include "coupler/report/report.hpp"
 #include "coupler/report/run_page/timeline.hpp"
+#include "coupler/results/trace.hpp"
 #include "tests/coupler/report/sample_run.hpp"
 
 namespace ricochet::report {
@@ -165,6 +166,23 @@ TEST(Timeline, WhatLiesBetweenTheSpansIsFilledIn) {
   EXPECT_EQ(chart->rows[1], Json({"coupler", "computes", "computes", 2, 20.0, 30.0, 10.0}));
   EXPECT_EQ(chart->rows[3], Json({"implicit", "computes", "computes", 1, 5.0, 15.0, 10.0}));
   EXPECT_THAT(chart->spec, HasSubstr("[µs]"));
+}
+
+TEST(Timeline, OfThePartOfATraceThatIsReadIsThatOfAll) {
+  coupler::TraceTrack coupler{"coupler", "waits for \"one\"", {}, {}}, one{"one", "computes", {}, {}};
+  for (int window = 0; window < 300; ++window) {
+    coupler.spans.push_back({window, 1e-3 * window, 1e-3 * window + 4e-4});
+    one.spans.push_back({window, 1e-3 * window + 1e-4, 1e-3 * window + 3e-4});
+    one.counters.push_back({window, 2.0, 1e-12});
+  }
+  for (const auto& tracks : {std::vector{coupler, one}, std::vector{one, coupler}, std::vector{one}}) {
+    const std::string text = coupler::to_trace(tracks, 0.0);
+    const auto part = timeline(text), all = timeline(Json::parse(text).dump());
+    ASSERT_TRUE(part && all);
+    EXPECT_EQ(part->rows, all->rows);
+    EXPECT_EQ(part->spec, all->spec);
+    EXPECT_GT(part->rows.size(), 10U);
+  }
 }
 
 TEST(Timeline, NoWindowNoTimeline) {
