@@ -27,6 +27,10 @@ void expect_none_wrong(const std::string& program, int seed, int count, int runs
 /// By five protocols each.
 TEST(RandomImpacts, MakeNoEnergyAndLoseNoMomentum) { expect_none_wrong("random_impacts.py", 3, 8, 40); }
 
+/// By five, and turned in space, and with the names in the other order: impulses agree; a run that is resumed, or
+/// computed with ranks or threads, writes the same bytes.
+TEST(RandomCurves, KeepWhatEveryRunMustKeep) { expect_none_wrong("random_curves.py", 8, 8, 47); }
+
 /// By nine: check and run agree, balances hold, protocols agree, and a run that is resumed writes the same bytes.
 TEST(RandomProcessSets, KeepWhatEveryRunMustKeep) { expect_none_wrong("random_process_sets.py", 5, 5, 45); }
 
