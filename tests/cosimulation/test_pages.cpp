@@ -116,6 +116,18 @@ TEST(Pages, EveryPathTheyNameExists) {
   EXPECT_GT(paths, 60);
 }
 
+TEST(Pages, EveryProgramOfTheTestsThatTheyCallCanBeCalled) {
+  std::size_t called = 0;
+  for (const auto& page : pages()) {
+    for (const auto& program : all(page_text(page), R"(\n(tests/[\w/]+\.(?:py|sh))(?= |\n))")) {
+      ++called;
+      EXPECT_NE(fs::status(root / program).permissions() & fs::perms::owner_exec, fs::perms::none)
+          << page << ": " << program;
+    }
+  }
+  EXPECT_GT(called, 5U);
+}
+
 TEST(Pages, EverySourceFileTheyNameExists) {
   int files = 0;
   for (const auto& page : pages()) {
