@@ -28,9 +28,10 @@ def dot(a, b):
     return sum(x * y for x, y in zip(a, b))
 
 
-def ball_mesh(model, radius_m, across, layers):
+def ball_mesh(model, radius_m, across, layers, triangles):
     """An .inp file of a ball of which `across` elements, an even number, lie across the block in its middle and
-    `layers` around that. Surfaces "low" and "high", within 50 degrees of the vertical, the last axis, and "outside"."""
+    `layers` around that; in a plane they may be cut into triangles. Surfaces "low" and "high", within 50 degrees of the
+    vertical, the last axis, and "outside"."""
     solid = model == "solid"
     dimensions = 3 if solid else 2
     nodes, elements, surfaces = {}, [], {"low": [], "high": [], "outside": []}
@@ -60,7 +61,7 @@ def ball_mesh(model, radius_m, across, layers):
             corners = [corners[i] for i in (0, 3, 2, 1, 4, 7, 6, 5)]
         elif not positive:
             corners = corners[:1] + corners[:0:-1]
-        elements.append(corners)
+        elements.extend([corners[:3], [corners[0], *corners[2:]]] if triangles else [corners])
         return positive
 
     def face(side, axis, cell):
@@ -88,13 +89,15 @@ def ball_mesh(model, radius_m, across, layers):
                 positive = add(inner + outer if solid else [inner[0], inner[1], outer[1], outer[0]])
             middle = [sum(nodes[(c, layers)][1][k] for c in corners) / len(corners) for k in range(dimensions)]
             last = (len(elements), "S2" if solid or not positive else "S3")
+            if triangles:  # the first of two has the quadrilateral's side S2, the second its S3, as its S2
+                last = (len(elements) - (not positive), "S2")
             surfaces["outside"].append(last)
             up = middle[-1] / math.sqrt(dot(middle, middle))
             if abs(up) > math.cos(math.radians(50.0)):
                 surfaces["high" if up > 0.0 else "low"].append(last)
     text = "*NODE, NSET=ALL\n"
     text += "".join(f"{number}, {', '.join(f'{c:.15g}' for c in x)}\n" for number, x in nodes.values())
-    kind = {"solid": "C3D8", "plane_strain": "CPE4", "axisymmetric": "CAX4"}[model]
+    kind = {"solid": "C3D", "plane_strain": "CPE", "axisymmetric": "CAX"}[model] + str(len(elements[0]))
     text += f"*ELEMENT, TYPE={kind}, ELSET=BALL\n"
     text += "".join(f"{i + 1}, {', '.join(map(str, corners))}\n" for i, corners in enumerate(elements))
     for name, faces in surfaces.items():
@@ -151,8 +154,9 @@ def drawn(lot):
     layers = lot.choice([2, 3] if model == "solid" else [4, 6])
     degrees = [0.0, 0.0, lot.uniform(-170.0, 170.0)] if model == "plane_strain" else \
         [lot.uniform(-90.0, 90.0) * (below != "rigid_cylinder" or k == 1) for k in range(3)]
-    return {"model": model, "below": below, "above": above, "aside": aside, "off_m": off_m, "spin": spin,
-            "gap_m": gap_m, "by_key": lot.random() < 0.3, "fall": lot.choice([1.0, 4.0]),
+    triangles = model != "solid" and lot.random() < 0.3
+    return {"triangles": triangles, "model": model, "below": below, "above": above, "aside": aside, "off_m": off_m,
+            "spin": spin, "gap_m": gap_m, "by_key": lot.random() < 0.3, "fall": lot.choice([1.0, 4.0]),
             "friction": lot.choice([0.0, 0.3]), "across": across, "layers": layers,
             "coarser": lot.choice([0, 2]), "radius_m": lot.choice([0.005, 0.008]),
             "radius_below_m": lot.choice([0.005, 0.01]), "modulus": lot.choice([20e9, 70e9]),
@@ -185,7 +189,7 @@ def write(d, path, turned, swapped, hands=""):
     def ball(name, radius_m, coarser):
         mesh = path.with_name(f"{path.stem}_{name}.inp")
         across, layers = max(4, d["across"] - coarser), d["layers"]
-        text = ball_mesh(model, radius_m, across, layers)
+        text = ball_mesh(model, radius_m, across, layers, d["triangles"])
         if model == "axisymmetric":  # stands on its axis where it is
             text = raised(text, radius_m if name == "above" else -radius_m, d["gap_m"] if name == "above" else 0.0)
         mesh.write_text(text.replace("BALL", name))
