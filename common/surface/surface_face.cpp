@@ -7,10 +7,10 @@
 namespace ricochet::surface {
 namespace {
 
-/// A face seen from its side may have no place where the ray is, nor shape functions where one aims: what such a search
-/// ends at lies beside the ray by more than this share of the face's size.
+/// A face seen from its side may have no place on the ray. The search then ends beside the ray, by more than this share
+/// of the face's size.
 constexpr double missed = 1e-3;
-/// The smooth surface stands off the face by little: few aims are enough, but where a large face is seen askew.
+/// The smooth surface stands off the face by little: few aims are enough, except where a large face is seen askew.
 constexpr int least_aims = 4, most_aims = 20;
 
 /// A face as it is seen along a direction, from a place.

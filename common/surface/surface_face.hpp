@@ -42,9 +42,9 @@ struct SurfaceFace {
 /// neither.
 constexpr double same_place = 1e-9;
 
-/// Where a ray hits the smooth surface.
+/// Where a ray hits the smooth surface of a face or, by its shape functions, what goes on beside it.
 struct Hit {
-  double inside;  ///< the least shape function, at most 0
+  double inside;  ///< the least shape function, at most 0; -infinity: the ray meets nothing
   double far_m;
   ShapeValues shape = ShapeValues::Zero();  ///< of the face there
 };

@@ -176,6 +176,17 @@ TEST_P(Ranks, OfAnyNumberGiveTheSameBytes) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Ranks, testing::ValuesIn(ranked_runs()),
                          [](const testing::TestParamInfo<RankedRun>& test) { return test.param.name; });
 
+// The implicit side has the elements at the contact alone. All of the plate's surface would have a thirtieth.
+TEST(StressAtTheContact, IsThatOfAllExplicitUnderAHybrid) {
+  const TemporaryFolder folder;
+  const auto peak = [&](const std::string& protocol) {
+    return run_text(with_protocol(cylinder_on_plate(), protocol), folder, protocol).largest("principal_stress_mean_pa");
+  };
+  const double explicit_pa = peak("all_explicit");
+  EXPECT_GT(explicit_pa, 1e8);
+  EXPECT_NEAR(peak("hughes_liu"), explicit_pa, 0.1 * explicit_pa);
+}
+
 TEST(Rank, ThatWasSavedGoesOnToTheSameBytes) {
   for (const std::string& scene : {config_text("kim_impact"), yielding_impact(), turning_plates()}) {
     const TemporaryFolder folder;
